@@ -1,0 +1,113 @@
+//! The log as every later stage sees it: trajectories of strictly increasing time, missing values as NaN.
+
+/// A measurement log, split into trajectories.
+///
+/// Columns of every trajectory's tables follow the name lists here.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Log {
+    /// Where it came from, for messages: a file name, `<stdin>` or `<simulated>`.
+    pub source: String,
+    /// Names of the `m` measurement columns.
+    pub measurements: Vec<String>,
+    /// Names of the input columns.
+    pub inputs: Vec<String>,
+    /// Names of the **states** (not columns) that truth is given for, in table order.
+    pub truth: Vec<String>,
+    /// The trajectories, in order of first appearance.
+    pub trajectories: Vec<Trajectory>,
+}
+
+/// One run or target: rows in strictly increasing time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trajectory {
+    /// The value of the trajectory column; empty when the log has none.
+    pub id: String,
+    /// Time of each row [s]; 0, 1, 2, ... when the log has no time column.
+    pub time: Vec<f64>,
+    /// Measurements, rows x m; NaN = missing.
+    pub z: Table,
+    /// Inputs, rows x inputs; NaN is allowed in the last row only (nothing follows it).
+    pub u: Table,
+    /// True states, rows x truth; NaN = unknown.
+    pub truth: Table,
+    /// 1-based line of each row in the source, for messages.
+    pub line: Vec<u64>,
+}
+
+/// A dense row-major table of numbers.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Table {
+    columns: usize,
+    values: Vec<f64>,
+}
+
+impl Table {
+    /// An empty table of `columns` columns.
+    #[must_use]
+    pub const fn new(columns: usize) -> Self {
+        Self { columns, values: Vec::new() }
+    }
+
+    /// Number of columns.
+    #[must_use]
+    pub const fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Appends a row.
+    ///
+    /// # Panics
+    /// If `row` is not `columns` long.
+    pub fn push(&mut self, row: &[f64]) {
+        assert_eq!(row.len(), self.columns, "a row has one value per column");
+        self.values.extend_from_slice(row);
+    }
+
+    /// Row `k`, `columns` long.
+    #[must_use]
+    pub fn row(&self, k: usize) -> &[f64] {
+        &self.values[k * self.columns..(k + 1) * self.columns]
+    }
+}
+
+impl Trajectory {
+    /// Number of rows.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.time.len()
+    }
+
+    /// Whether it has no row at all.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.time.is_empty()
+    }
+
+    /// Interval from row `k` to row `k + 1` [s]; `None` at the last row.
+    #[must_use]
+    pub fn dt(&self, k: usize) -> Option<f64> {
+        Some(self.time.get(k + 1)? - self.time[k])
+    }
+
+    /// Whether every measurement of row `k` is present.
+    #[must_use]
+    pub fn is_complete(&self, k: usize) -> bool {
+        self.z.row(k).iter().all(|z| !z.is_nan())
+    }
+}
+
+impl Log {
+    /// Total number of rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.trajectories.iter().map(Trajectory::len).sum()
+    }
+
+    /// The one interval of the whole log [s], or `None` if intervals differ by more than one part in 1e9 or there are none.
+    #[must_use]
+    pub fn regular_dt(&self) -> Option<f64> {
+        let mut intervals = self.trajectories.iter().flat_map(|t| t.time.windows(2).map(|w| w[1] - w[0]));
+        let first = intervals.next()?;
+        intervals.all(|dt| (dt - first).abs() <= 1e-9 * first).then_some(first)
+    }
+}

@@ -1,0 +1,204 @@
+//! Evaluators: a whole population in, a cost matrix and a status each out.
+
+use std::fmt;
+
+/// Candidates, one row each: the values of the searched parameters in their own units.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Population {
+    dimension: usize,
+    values: Vec<f64>,
+}
+
+impl Population {
+    /// An empty population of `dimension` searched parameters.
+    #[must_use]
+    pub const fn new(dimension: usize) -> Self {
+        Self { dimension, values: Vec::new() }
+    }
+
+    /// From row-major values.
+    ///
+    /// # Panics
+    /// If the values do not fill whole rows.
+    #[must_use]
+    pub fn from_rows(dimension: usize, values: Vec<f64>) -> Self {
+        assert!(dimension > 0 && values.len().is_multiple_of(dimension), "values fill whole rows of {dimension}");
+        Self { dimension, values }
+    }
+
+    /// Appends a candidate.
+    ///
+    /// # Panics
+    /// If it is not `dimension` long.
+    pub fn push(&mut self, candidate: &[f64]) {
+        assert_eq!(candidate.len(), self.dimension, "a candidate has one value per searched parameter");
+        self.values.extend_from_slice(candidate);
+    }
+
+    /// Number of searched parameters.
+    #[must_use]
+    pub const fn dimension(&self) -> usize {
+        self.dimension
+    }
+
+    /// Number of candidates.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        if self.dimension == 0 { 0 } else { self.values.len() / self.dimension }
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.values.is_empty()
+    }
+
+    /// Candidate `i`.
+    #[must_use]
+    pub fn row(&self, i: usize) -> &[f64] {
+        &self.values[i * self.dimension..(i + 1) * self.dimension]
+    }
+
+    /// Candidate `i`, to change.
+    pub fn row_mut(&mut self, i: usize) -> &mut [f64] {
+        &mut self.values[i * self.dimension..(i + 1) * self.dimension]
+    }
+
+    /// All candidates in order.
+    pub fn rows(&self) -> impl ExactSizeIterator<Item = &[f64]> {
+        self.values.chunks_exact(self.dimension.max(1))
+    }
+}
+
+/// What went wrong with a candidate; no bit set = a usable cost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+pub struct Status(u32);
+
+impl Status {
+    /// Usable.
+    pub const OK: Self = Self(0);
+    /// An innovation variance was not positive, so Q, R or P0 is no covariance.
+    pub const NOT_POSITIVE: Self = Self(1);
+    /// A cost was not finite.
+    pub const NOT_FINITE: Self = Self(2);
+
+    /// Whether no bit is set.
+    #[must_use]
+    pub const fn is_ok(self) -> bool {
+        self.0 == 0
+    }
+
+    /// Both sets of bits.
+    #[must_use]
+    pub const fn union(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// The bits, for files and kernels.
+    #[must_use]
+    pub const fn bits(self) -> u32 {
+        self.0
+    }
+}
+
+/// Costs of a population.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Evaluation {
+    objectives: usize,
+    costs: Vec<f64>,
+    status: Vec<Status>,
+}
+
+impl Evaluation {
+    /// The cost of a failed candidate: the worst finite number, so that comparisons never meet NaN.
+    pub const FAILED: f64 = f64::MAX;
+
+    /// From row-major costs (candidates x objectives) and one status a candidate. Costs of failed candidates, and
+    /// any cost that is not finite, become [`Self::FAILED`], and the latter set [`Status::NOT_FINITE`].
+    ///
+    /// # Panics
+    /// If the lengths disagree.
+    #[must_use]
+    pub fn new(objectives: usize, mut costs: Vec<f64>, mut status: Vec<Status>) -> Self {
+        assert_eq!(costs.len(), objectives * status.len(), "one cost per candidate and objective");
+        for (row, status) in costs.chunks_exact_mut(objectives.max(1)).zip(&mut status) {
+            if row.iter().any(|c| !c.is_finite()) {
+                *status = status.union(Status::NOT_FINITE);
+            }
+            if !status.is_ok() {
+                row.fill(Self::FAILED);
+            }
+        }
+        Self { objectives, costs, status }
+    }
+
+    /// Number of objectives.
+    #[must_use]
+    pub const fn objectives(&self) -> usize {
+        self.objectives
+    }
+
+    /// Number of candidates.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.status.len()
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.status.is_empty()
+    }
+
+    /// Costs of candidate `i`, one per objective; all [`Self::FAILED`] if it failed. Never NaN.
+    #[must_use]
+    pub fn costs(&self, i: usize) -> &[f64] {
+        &self.costs[i * self.objectives..(i + 1) * self.objectives]
+    }
+
+    /// Status of candidate `i`.
+    #[must_use]
+    pub fn status(&self, i: usize) -> Status {
+        self.status[i]
+    }
+}
+
+/// Where costs were computed, for reports.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct Device {
+    /// `cpu`, `gpu` or `mock`.
+    pub backend: String,
+    /// The processor or adapter, with its instruction set or driver.
+    pub adapter: String,
+    /// `f64` or `f32`.
+    pub precision: String,
+}
+
+/// Number format of a search.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[expect(missing_docs, reason = "the names say it")]
+pub enum Precision {
+    F32,
+    F64,
+}
+
+impl fmt::Display for Precision {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::F32 => "f32",
+            Self::F64 => "f64",
+        })
+    }
+}
+
+/// Scores whole populations; the only way any optimiser gets a cost.
+pub trait Evaluator {
+    /// Number of objectives of every evaluation.
+    fn objectives(&self) -> usize;
+
+    /// Costs and status of every candidate, in order. The same candidate gets the same bits in any population.
+    fn evaluate(&mut self, population: &Population) -> Evaluation;
+
+    /// Where it computes.
+    fn device(&self) -> Device;
+}

@@ -1,0 +1,7 @@
+//! The `kfgpu` command.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    kfgpu::cli::main()
+}

@@ -1,0 +1,149 @@
+//! A problem: data, model, parameters, filter, and how to tune.
+
+use super::{Expr, Parameters};
+use crate::objective::Objective;
+
+/// A whole problem file, checked: names resolved, dimensions consistent, formulas linear where the filter needs it.
+#[derive(Debug, Clone)]
+pub struct Problem {
+    /// File name, for messages and reports.
+    pub source: String,
+    /// The text of the file, for messages and for writing `tuned.toml`.
+    pub text: String,
+    /// Where the log is and what its columns mean.
+    pub data: DataSpec,
+    /// The model.
+    pub model: Model,
+    /// Its parameters.
+    pub parameters: Parameters,
+    /// Which filter runs.
+    pub filter: FilterKind,
+    /// What is minimised and how.
+    pub tune: TuneSpec,
+    /// How to draw a log from the model, where the file says.
+    pub simulate: Option<SimulateSpec>,
+}
+
+/// The `[data]` table.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct DataSpec {
+    /// CSV file, relative to the problem file; `-` = standard input; `None` when `[simulate]` makes the log.
+    pub file: Option<String>,
+    /// Time column; unit steps without.
+    pub time: Option<String>,
+    /// Measurement columns, m.
+    pub measurements: Vec<String>,
+    /// Input columns.
+    pub inputs: Vec<String>,
+    /// (state, column) pairs of truth.
+    pub truth: Vec<(String, String)>,
+    /// Trajectory column.
+    pub trajectory: Option<String>,
+}
+
+/// A state-space model: x' = f(x, u, dt) + w, z = h(x, u) + v, w ~ N(0, Q), v ~ N(0, R).
+///
+/// Formulas may use parameters everywhere, states in f and h only, inputs in f and h, dt in f and Q.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Model {
+    /// Built-in kind, for reports; `None` for formulas.
+    pub kind: Option<&'static str>,
+    /// State names, n.
+    pub states: Vec<String>,
+    /// Measurement names, m.
+    pub measurements: Vec<String>,
+    /// Input names.
+    pub inputs: Vec<String>,
+    /// Transition, n formulas.
+    pub f: Vec<Expr>,
+    /// Measurement, m formulas.
+    pub h: Vec<Expr>,
+    /// Process noise covariance of one step, n x n row-major, symmetric; structural zeros are the number 0.
+    pub q: Vec<Expr>,
+    /// Measurement noise covariance, m x m row-major, symmetric.
+    pub r: Vec<Expr>,
+    /// Initial state.
+    pub x0: Start,
+    /// Initial covariance, n x n row-major, symmetric.
+    pub p0: Vec<Expr>,
+    /// When `x0` and `p0` hold.
+    pub first: First,
+}
+
+/// Initial state.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Start {
+    /// n formulas of parameters.
+    Values(Vec<Expr>),
+    /// From the first complete measurement of each trajectory: x = pinv(H) (z - h(0)).
+    Measurement,
+}
+
+/// When x0 and P0 hold.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum First {
+    /// At the first row of each trajectory, which then updates.
+    Update,
+    /// One step of `dt` before it; `None` = the log's regular interval.
+    Predict {
+        /// `first_dt` [s].
+        dt: Option<f64>,
+    },
+}
+
+/// Filter kinds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FilterKind {
+    /// The linear Kalman filter (affine f and h).
+    Kalman,
+}
+
+/// The `[tune]` table, with defaults filled in.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TuneSpec {
+    /// Name in the optimiser registry.
+    pub algorithm: String,
+    /// What is minimised, at least one.
+    pub objectives: Vec<Objective>,
+    /// Candidates a generation.
+    pub population: usize,
+    /// Generations after the initial one.
+    pub generations: usize,
+    /// Seed of every draw.
+    pub seed: u64,
+    /// Stop after this many evaluations.
+    pub evaluations: Option<u64>,
+    /// Stop after this long [s].
+    pub wall_time: Option<f64>,
+    /// Stop after this many generations without a relative gain of 1e-9.
+    pub stall: Option<usize>,
+    /// Stop when the (first) objective reaches this.
+    pub target: Option<f64>,
+    /// Whether the user's starts join generation 0.
+    pub include_start: bool,
+    /// Whether the winner is polished in f64.
+    pub polish: bool,
+}
+
+/// The `[simulate]` table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SimulateSpec {
+    /// Rows after row 0.
+    pub steps: usize,
+    /// Interval [s].
+    pub dt: f64,
+    /// Values of the searched parameters that differ from the baseline: (name, value).
+    pub parameters: Vec<(String, f64)>,
+    /// True initial state, n; `None` = drawn from N(x0, P0).
+    pub x0: Option<Vec<f64>>,
+    /// Q of the truth, n x n formulas; `None` = the model's.
+    pub q: Option<Vec<Expr>>,
+    /// Share of measurement components left out, 0 to 1.
+    pub missing: f64,
+    /// Whether row 0 has no measurement.
+    pub skip_first: bool,
+    /// Number of trajectories.
+    pub trajectories: usize,
+    /// Seed.
+    pub seed: u64,
+}

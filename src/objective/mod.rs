@@ -1,0 +1,74 @@
+//! Objectives, all minimised. One list; the semantics of each stand in `docs/semantics.md`.
+
+/// What a filter run is scored by.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Objective {
+    /// Which one.
+    pub kind: Kind,
+    /// State indices that `rmse` and `distance` compare with truth; empty for the others.
+    pub states: Vec<usize>,
+    /// First rows of each trajectory that do not score.
+    pub skip: usize,
+    /// `mismatch`: number of last measured rows of a trajectory that Ca (and Ct) average over.
+    pub window: usize,
+    /// `mismatch`: use Ct of the last measured row only (the paper's form).
+    pub ct_last: bool,
+}
+
+/// The kinds of objective.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Kind {
+    /// Negative log-likelihood, nats, summed over present measurements, with 2 pi.
+    Nll,
+    /// Sum of squared joint innovations / number of present components (f1).
+    MseInnovation,
+    /// |mean Ca / mean Ct - 1| over the last rows of a trajectory (f2).
+    Mismatch,
+    /// |nis_mean - 1|.
+    Nis,
+    /// |nees_mean - 1|.
+    Nees,
+    /// Root of the mean over rows with truth of the squared error of the named states, posterior.
+    Rmse,
+    /// Sum over rows with truth of the Euclidean error of the named states, posterior.
+    Distance,
+}
+
+impl Kind {
+    /// Every kind with the name it has in problem files, JSON and CSV.
+    pub const ALL: [(&'static str, Self); 7] = [
+        ("nll", Self::Nll),
+        ("mse_innovation", Self::MseInnovation),
+        ("mismatch", Self::Mismatch),
+        ("nis", Self::Nis),
+        ("nees", Self::Nees),
+        ("rmse", Self::Rmse),
+        ("distance", Self::Distance),
+    ];
+
+    /// Its name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(_, kind)| *kind == self).map_or("", |(name, _)| name)
+    }
+
+    /// Whether it needs the true states.
+    #[must_use]
+    pub const fn needs_truth(self) -> bool {
+        matches!(self, Self::Nees | Self::Rmse | Self::Distance)
+    }
+}
+
+impl Objective {
+    /// The objective with default options (no rows skipped, window 100, no states).
+    #[must_use]
+    pub const fn new(kind: Kind) -> Self {
+        Self { kind, states: Vec::new(), skip: 0, window: 100, ct_last: false }
+    }
+
+    /// Its name in reports.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        self.kind.name()
+    }
+}

@@ -1,1 +1,20 @@
-//! (in progress)
+//! Reports: what a study or a filter run found, for people (text), programs (JSON) and tables (CSV).
+
+mod consistency;
+mod matrices;
+mod named;
+mod number;
+mod raw;
+mod run_csv;
+mod table;
+mod text;
+mod tuning;
+
+pub use consistency::Consistency;
+pub use matrices::{Gain, Matrices, Matrix};
+pub use named::{Named, objective_names};
+pub use number::{count, exact, seconds, significant};
+pub use raw::raw_rmse;
+pub use run_csv::{Covariance, write_run};
+pub use table::TextTable;
+pub use tuning::{Bound, Certificate, LogFacts, Polish, Scored, Tuning};

@@ -9,42 +9,42 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 /// A temporary folder with the files of one test.
-pub struct Folder(TempDir);
+pub(crate) struct Folder(TempDir);
 
 /// What a finished process left.
 #[derive(Debug)]
-pub struct Finished {
-    pub code: i32,
-    pub stdout: String,
-    pub stderr: String,
+pub(crate) struct Finished {
+    pub(crate) code: i32,
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
 }
 
 impl Folder {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self(TempDir::new().unwrap())
     }
 
     /// A folder with `problem.toml` and `log.csv`: a local level seen through noise.
-    pub fn with_level() -> Self {
+    pub(crate) fn with_level() -> Self {
         let folder = Self::new();
         folder.write("problem.toml", LEVEL);
         folder.write("log.csv", &level_log(60));
         folder
     }
 
-    pub fn path(&self, name: &str) -> PathBuf {
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
     }
 
-    pub fn write(&self, name: &str, content: impl AsRef<[u8]>) {
+    pub(crate) fn write(&self, name: &str, content: impl AsRef<[u8]>) {
         fs::write(self.path(name), content).unwrap();
     }
 
-    pub fn read(&self, name: &str) -> String {
+    pub(crate) fn read(&self, name: &str) -> String {
         fs::read_to_string(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
     }
 
-    pub fn names(&self, folder: &str) -> Vec<String> {
+    pub(crate) fn names(&self, folder: &str) -> Vec<String> {
         let entries = fs::read_dir(self.path(folder)).unwrap();
         let mut names: Vec<String> =
             entries.map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect();
@@ -52,22 +52,22 @@ impl Folder {
         names
     }
 
-    pub fn command(&self, arguments: &[&str]) -> Command {
+    pub(crate) fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_kfgpu"));
         command.args(arguments).current_dir(self.0.path()).env_remove("RUST_BACKTRACE");
         command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
         command
     }
 
-    pub fn spawn(&self, arguments: &[&str]) -> Child {
+    pub(crate) fn spawn(&self, arguments: &[&str]) -> Child {
         self.command(arguments).stdin(Stdio::piped()).spawn().unwrap()
     }
 
-    pub fn run(&self, arguments: &[&str]) -> Finished {
+    pub(crate) fn run(&self, arguments: &[&str]) -> Finished {
         self.command(arguments).output().unwrap().into()
     }
 
-    pub fn run_with_input(&self, arguments: &[&str], input: impl AsRef<[u8]>) -> Finished {
+    pub(crate) fn run_with_input(&self, arguments: &[&str], input: impl AsRef<[u8]>) -> Finished {
         let mut child = self.spawn(arguments);
         // The process may refuse its input early; what it says then is what the test is about.
         let _ = child.stdin.take().unwrap().write_all(input.as_ref());
@@ -87,24 +87,24 @@ impl From<Output> for Finished {
 
 impl Finished {
     /// Fails the test unless the process ended with `code`.
-    pub fn expect(self, code: i32) -> Self {
+    pub(crate) fn expect(self, code: i32) -> Self {
         assert_eq!(self.code, code, "stdout: {}\nstderr: {}", self.stdout, self.stderr);
         self
     }
 
     /// The one JSON object on stdout.
-    pub fn json(&self) -> Value {
+    pub(crate) fn json(&self) -> Value {
         assert_eq!(self.stdout.trim_end().lines().count(), 1, "one line: {}", self.stdout);
         serde_json::from_str(&self.stdout).unwrap_or_else(|e| panic!("{e}: {}", self.stdout))
     }
 
     /// The rows of a CSV table on stdout, with its header.
-    pub fn table(&self) -> Vec<Vec<String>> {
+    pub(crate) fn table(&self) -> Vec<Vec<String>> {
         self.stdout.lines().map(|line| line.split(',').map(str::to_owned).collect()).collect()
     }
 
     /// One error sentence on stderr, nothing on stdout, no panic; gives the sentence.
-    pub fn refusal(self) -> String {
+    pub(crate) fn refusal(self) -> String {
         let this = self.expect(2);
         assert_eq!(this.stdout, "", "nothing is written on stdout");
         assert!(!this.stderr.contains("panicked"), "{}", this.stderr);
@@ -115,7 +115,7 @@ impl Finished {
     }
 }
 
-pub const LEVEL: &str = r#"
+pub(crate) const LEVEL: &str = r#"
 [data]
 file = "log.csv"
 time = "t"
@@ -143,7 +143,7 @@ seed = 7
 "#;
 
 /// A slow wave and a fast pattern that stands for noise; the same in every run.
-pub fn level_log(rows: u32) -> String {
+pub(crate) fn level_log(rows: u32) -> String {
     let mut text = String::from("t,z\n");
     for k in 0..rows {
         let t = f64::from(k);

@@ -1,5 +1,7 @@
 //! Evaluators: a whole population in, a cost matrix and a status each out.
 
+pub mod mock;
+
 use std::fmt;
 
 /// Candidates, one row each: the values of the searched parameters in their own units.

@@ -53,10 +53,11 @@ fn doubling(Matrices { f, h, q, r }: &Matrices) -> Option<DMatrix<f64>> {
         g += &a * w_g * a.transpose();
         symmetrise(&mut g);
         a = &a * w_a;
-        if !next.iter().all(|v| v.is_finite()) {
+        if !next.iter().chain(a.iter()).all(|v| v.is_finite()) {
             return None;
         }
-        let settled = close(&next, &p, TOLERANCE);
+        // `a` tends to the transition of the closed loop over 2^j steps: it vanishes only where the filter is stable.
+        let settled = close(&next, &p, TOLERANCE) && a.amax() <= TOLERANCE.sqrt();
         p = next;
         if settled {
             return Some(p);

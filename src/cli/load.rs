@@ -2,9 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Context as _;
-
 use super::console::Console;
+use super::overrides::{self, Override};
 use crate::data::{self, Log, Summary};
 use crate::model::Problem;
 
@@ -36,36 +35,44 @@ pub(super) enum Origin {
     BuiltIn(&'static str, &'static str),
 }
 
-/// Opens a problem (`None` = the built-in example) and its log, `data` in place of the problem's own file, and tells
-/// the user about the log.
-pub(super) fn load(problem: Option<&Path>, data: Option<&str>, console: Console) -> anyhow::Result<Loaded> {
-    let mut parsed = match problem {
+/// The problem (`None` = the built-in example), not yet its log.
+pub(super) fn problem(path: Option<&Path>) -> anyhow::Result<Problem> {
+    Ok(match path {
         Some(path) => Problem::open(path)?,
         None => Problem::parse(NILE, NILE_SOURCE)?,
-    };
-    let folder = problem.and_then(Path::parent).unwrap_or_else(|| Path::new(""));
-    let origin = origin(&parsed, problem, data, folder);
-    let log = match &origin {
-        Origin::BuiltIn(name, content) => Log::read(&parsed.data, content.as_bytes(), name)?,
-        Origin::Simulated => data::simulate(&parsed, None)?,
-        Origin::Stdin | Origin::File(_) => {
-            let base = if data.is_some() { Path::new("") } else { folder };
-            parsed.data.file = data.map(str::to_owned).or(parsed.data.file);
-            Log::open(&parsed.data, base)?
-        }
-    };
-    let warnings = parsed.check_log(&log)?;
-    console.note(Summary::of(&log));
-    warnings.iter().for_each(|warning| console.warn(warning));
-    Ok(Loaded { problem: parsed, log, origin, warnings })
+    })
 }
 
-fn origin(parsed: &Problem, problem: Option<&Path>, data: Option<&str>, folder: &Path) -> Origin {
-    match (data, problem, parsed.data.file.as_deref()) {
-        (Some("-"), ..) | (None, Some(_), Some("-")) => Origin::Stdin,
-        (Some(file), ..) => Origin::File(PathBuf::from(file)),
-        (None, None, _) => Origin::BuiltIn("nile.csv", NILE_DATA),
-        (None, Some(_), Some(file)) => Origin::File(folder.join(file)),
-        (None, Some(_), None) => Origin::Simulated,
+/// A problem with its log, `data` in place of the problem's own file; tells the user about the log.
+pub(super) fn load(path: Option<&Path>, data: Option<&str>, console: Console) -> anyhow::Result<Loaded> {
+    log_of(problem(path)?, path, data, console)
+}
+
+/// As [`load`], for a problem already open.
+pub(super) fn log_of(
+    mut problem: Problem,
+    path: Option<&Path>,
+    data: Option<&str>,
+    console: Console,
+) -> anyhow::Result<Loaded> {
+    let mut folder = path.and_then(Path::parent).unwrap_or_else(|| Path::new(""));
+    if let Some(file) = data {
+        folder = Path::new("");
+        problem = overrides::apply(problem, &[Override::new("--data", &["data", "file"], file)])?;
     }
+    let origin = match (&problem.data.file, data, path) {
+        (_, None, None) => Origin::BuiltIn("nile.csv", NILE_DATA),
+        (None, ..) => Origin::Simulated,
+        (Some(file), ..) if file == "-" => Origin::Stdin,
+        (Some(file), ..) => Origin::File(folder.join(file)),
+    };
+    let log = match &origin {
+        Origin::BuiltIn(name, content) => Log::read(&problem.data, content.as_bytes(), name)?,
+        Origin::Simulated => data::simulate(&problem, None)?,
+        Origin::Stdin | Origin::File(_) => Log::open(&problem.data, folder)?,
+    };
+    console.note(Summary::of(&log));
+    let warnings = problem.check_log(&log)?;
+    warnings.iter().for_each(|warning| console.warn(warning));
+    Ok(Loaded { problem, log, origin, warnings })
 }

@@ -10,6 +10,7 @@ mod init;
 mod interrupt;
 mod load;
 mod options;
+mod overrides;
 mod progress;
 mod simulate;
 mod tape;

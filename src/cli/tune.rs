@@ -62,20 +62,20 @@ struct Search {
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
 
-    /// Stop after this many evaluations, one candidate on the whole log each (default: the file's `tune.evaluations`,
-    /// or no limit).
+    /// Stop after this many evaluations, one candidate on the whole log each (default: the file's
+    /// `tune.stop.evaluations`, or no limit).
     #[arg(long, value_name = "N")]
     evaluations: Option<u64>,
 
-    /// Stop after this long, in seconds (default: the file's `tune.wall_time`, or no limit); two such runs may differ.
+    /// Stop after this long, in seconds (default: the file's `tune.stop.wall_time`, or no limit); two such runs may differ.
     #[arg(long, value_name = "SECONDS")]
     wall_time: Option<f64>,
 
-    /// Stop after this many generations without a gain (default: the file's `tune.stall`, or never).
+    /// Stop after this many generations without a gain (default: the file's `tune.stop.stall`, or never).
     #[arg(long, value_name = "GENERATIONS")]
     stall: Option<usize>,
 
-    /// Stop when the first objective is at or below this, in its own unit (default: the file's `tune.target`, or none).
+    /// Stop when the first objective is at or below this, in its own unit (default: the file's `tune.stop.target`, or none).
     #[arg(long, value_name = "COST", allow_negative_numbers = true)]
     target: Option<f64>,
 

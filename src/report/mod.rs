@@ -1,5 +1,6 @@
 //! Reports: what a study or a filter run found, for people (text), programs (JSON) and tables (CSV).
 
+mod bound;
 mod consistency;
 mod matrices;
 mod named;
@@ -10,11 +11,12 @@ mod table;
 mod text;
 mod tuning;
 
-pub use consistency::Consistency;
+pub use bound::Bound;
+pub use consistency::{Consistency, Finding, Nees, Verdict, Whiteness};
 pub use matrices::{Gain, Matrices, Matrix};
-pub use named::{Named, objective_names};
+pub use named::Named;
 pub use number::{count, exact, seconds, significant};
 pub use raw::raw_rmse;
 pub use run_csv::{Covariance, write_run};
 pub use table::TextTable;
-pub use tuning::{Bound, Certificate, LogFacts, Polish, Scored, Tuning};
+pub use tuning::{Certificate, LogFacts, Polish, Scored, Tuning};

@@ -2,8 +2,6 @@
 
 use serde::ser::{Serialize, SerializeMap as _, Serializer};
 
-use crate::objective::Objective;
-
 /// (name, value) pairs in the order they were given; names are distinct.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Named<T>(Vec<(String, T)>);
@@ -39,23 +37,9 @@ impl<T: Serialize> Serialize for Named<T> {
     }
 }
 
-/// Distinct names for objectives: the second `rmse` of a list is `rmse_2`.
-#[must_use]
-pub fn objective_names(objectives: &[Objective]) -> Vec<String> {
-    let name = |i: usize| {
-        let name = objectives[i].name();
-        match objectives[..i].iter().filter(|o| o.name() == name).count() {
-            0 => name.to_owned(),
-            before => format!("{name}_{}", before + 1),
-        }
-    };
-    (0..objectives.len()).map(name).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::objective::Kind;
 
     #[test]
     fn order_is_kept_in_json() {
@@ -63,11 +47,5 @@ mod tests {
         assert_eq!(serde_json::to_string(&named).unwrap(), r#"{"r":2.0,"q":1.5}"#);
         assert_eq!(named.get("q"), Some(&1.5));
         assert_eq!(named.get("x"), None);
-    }
-
-    #[test]
-    fn objective_names_are_distinct() {
-        let list = [Kind::Rmse, Kind::Nll, Kind::Rmse].map(Objective::new);
-        assert_eq!(objective_names(&list), ["rmse", "nll", "rmse_2"]);
     }
 }

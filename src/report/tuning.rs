@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Consistency, Matrices, Named};
+use super::{Bound, Consistency, Matrices, Named};
 use crate::evaluate::Device;
 
 /// The result of a study. Objectives are values of the f64 reference over the whole log unless said otherwise; parameters
@@ -77,15 +77,6 @@ pub struct Scored {
     pub parameters: Named<f64>,
     /// Objectives; `None` when the filter could not run with these parameters.
     pub objectives: Option<Named<f64>>,
-}
-
-/// Which bound a parameter sits on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-#[expect(missing_docs, reason = "the names say it")]
-pub enum Bound {
-    Lower,
-    Upper,
 }
 
 /// The best candidates of the search, scored again by the independent f64 reference.

@@ -4,5 +4,6 @@
 
 mod joint_density;
 mod rules;
+mod simulated;
 mod support;
 mod values;

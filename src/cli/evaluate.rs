@@ -13,7 +13,8 @@ use super::console::Console;
 use super::options::Compute;
 use super::{Ending, files, load};
 use crate::evaluate::{CpuEvaluator, Device, Evaluation, Evaluator};
-use crate::report::{Named, exact, objective_names};
+use crate::objective::Objective;
+use crate::report::{Named, exact};
 
 /// Score given candidates: CSV in, CSV of costs out, in the same order.
 ///
@@ -63,7 +64,7 @@ impl Evaluate {
         let mut evaluator = CpuEvaluator::new(problem, log, self.compute.cpu())?;
         let mut candidates =
             Candidates::open(self.input(from_stdin)?, &self.source(from_stdin), &problem.parameters.names())?;
-        let names = objective_names(&problem.tune.objectives);
+        let names = problem.tune.objectives.iter().map(Objective::name).collect::<Vec<_>>();
         if self.json {
             files::print_json(&collect(&mut candidates, &mut evaluator, names)?)?;
         } else {
@@ -89,7 +90,7 @@ impl Evaluate {
 fn answer(
     candidates: &mut Candidates<impl Read>,
     evaluator: &mut impl Evaluator,
-    names: &[String],
+    names: &[&str],
 ) -> anyhow::Result<()> {
     let mut out = io::BufWriter::new(io::stdout().lock());
     writeln!(out, "{},status", names.join(","))?;
@@ -112,7 +113,7 @@ fn write_row(evaluation: &Evaluation, i: usize, out: &mut impl Write) -> io::Res
 fn collect(
     candidates: &mut Candidates<impl Read>,
     evaluator: &mut impl Evaluator,
-    names: Vec<String>,
+    names: Vec<&str>,
 ) -> anyhow::Result<Costs> {
     let mut costs = vec![Vec::new(); names.len()];
     let mut status = Vec::new();

@@ -137,7 +137,8 @@ fn try_writing_in(folder: &Path) -> anyhow::Result<()> {
     Ok(fs::remove_file(&probe)?)
 }
 
-fn folder_of(path: &Path) -> &Path {
+/// The folder of a file.
+pub(super) fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."))
 }
 

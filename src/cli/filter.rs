@@ -1,8 +1,7 @@
 //! `kfgpu filter`: one run of one filter.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use anyhow::bail;
 use clap::Args;
 use serde::Serialize;
 
@@ -10,8 +9,9 @@ use super::console::Console;
 use super::files::{self, Destination};
 use super::{Ending, load};
 use crate::model::Problem;
+use crate::objective::Objective;
 use crate::reference;
-use crate::report::{Consistency, Covariance, Named, objective_names, write_run};
+use crate::report::{Consistency, Covariance, Named, write_run};
 
 /// Run one filter over the log in f64, and write its states, covariances and innovations as CSV.
 ///
@@ -60,14 +60,14 @@ impl Filter {
         let loaded = load::load(Some(&self.problem), self.data.as_deref(), console)?;
         let (problem, log) = (&loaded.problem, &loaded.log);
         let candidate = match &self.parameters {
-            Some(path) => starts_of(path, problem)?,
+            Some(path) => problem.candidate_from(&Problem::open(path)?)?,
             None => problem.parameters.baseline(),
         };
         let run = reference::run(problem, log, &candidate)?;
         let costs = reference::score(problem, log, &run, &problem.tune.objectives);
         let summary = Summary {
             parameters: Named::new(problem.parameters.names(), candidate.iter().copied()),
-            objectives: Named::new(objective_names(&problem.tune.objectives), costs),
+            objectives: Named::new(problem.tune.objectives.iter().map(Objective::name), costs),
             consistency: Consistency::of(problem, log, &candidate, &run),
             warnings: loaded.warnings,
         };
@@ -85,22 +85,4 @@ impl Filter {
         }
         Ok(Ending::Done)
     }
-}
-
-/// The candidate of `problem` whose values another problem file gives, by name.
-fn starts_of(path: &Path, problem: &Problem) -> anyhow::Result<Vec<f64>> {
-    let other = Problem::open(path)?.parameters;
-    let values = other.resolve(&other.baseline());
-    let mut candidate = Vec::new();
-    for name in problem.parameters.names() {
-        let Some(i) = other.all.iter().position(|p| p.name == name) else {
-            bail!(
-                "{}: [parameters] lacks {name:?}, which {} searches (give it a value)",
-                path.display(),
-                problem.source
-            );
-        };
-        candidate.push(values[i]);
-    }
-    Ok(candidate)
 }

@@ -1,34 +1,36 @@
 //! The progress bar of a study: best cost, evaluations a second, time left.
 
-use std::time::Instant;
-
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::console::Console;
-use crate::report::{count, significant};
+use crate::model::TuneSpec;
+use crate::objective::Objective;
+use crate::report::significant;
+use crate::study::{Generation, Observer, Scored};
 
 /// A bar over generations, or nothing where nobody watches.
 #[derive(Debug)]
 pub(super) struct Progress {
     bar: Option<ProgressBar>,
-    objective: String,
-    started: Instant,
+    /// Name of the first cost.
+    objective: &'static str,
 }
 
 impl Progress {
-    /// `generations` after the initial one; `objective` names the first cost.
-    pub(super) fn new(console: Console, generations: usize, objective: String) -> anyhow::Result<Self> {
-        let bar = console.shows_progress().then(|| draw(generations)).transpose()?;
-        Ok(Self { bar, objective, started: Instant::now() })
+    pub(super) fn new(console: Console, tune: &TuneSpec) -> anyhow::Result<Self> {
+        let bar = console.shows_progress().then(|| draw(tune.generations)).transpose()?;
+        let objective = tune.objectives.first().map_or("cost", Objective::name);
+        Ok(Self { bar, objective })
     }
+}
 
-    /// After a generation: the best first cost so far and the evaluations so far.
-    pub(super) fn update(&self, generation: usize, evaluations: u64, best: Option<f64>) {
+impl Observer for Progress {
+    fn generation(&mut self, row: &Generation, _best: Option<&Scored>) {
         let Some(bar) = &self.bar else { return };
-        bar.set_position(generation as u64);
-        let rate = evaluations as f64 / self.started.elapsed().as_secs_f64().max(1e-9);
-        let best = best.map_or_else(|| "none usable yet".to_owned(), |cost| significant(cost, 8));
-        bar.set_message(format!("best {} {best}, {} evaluations/s", self.objective, count(rate as u64)));
+        bar.set_position(row.generation as u64);
+        let rate = row.evaluations as f64 / row.seconds.max(1e-9);
+        let best = row.best.map_or_else(|| "none usable yet".to_owned(), |cost| significant(cost, 8));
+        bar.set_message(format!("best {} {best}, {} evaluations/s", self.objective, significant(rate, 3)));
     }
 }
 

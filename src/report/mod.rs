@@ -19,4 +19,4 @@ pub use number::{count, exact, seconds, significant};
 pub use raw::raw_rmse;
 pub use run_csv::{Covariance, write_run};
 pub use table::TextTable;
-pub use tuning::{Certificate, LogFacts, Polish, Scored, Tuning};
+pub use tuning::{Certificate, Effort, LogFacts, Nothing, Polish, Scored, Tuning};

@@ -2,15 +2,16 @@
 
 use std::fmt;
 
-use super::{Bound, Gain, Named, Scored, TextTable, Tuning, count, seconds, significant};
+use super::{Effort, Gain, Named, Scored, TextTable, Tuning, count, seconds, significant};
+use crate::evaluate::Device;
+use crate::study::StopReason;
 
 /// Digits of parameters and objectives.
 const DIGITS: usize = 8;
 
 impl fmt::Display for Tuning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}", self.heading())?;
-        writeln!(f, "{}\n", self.effort())?;
+        writeln!(f, "{}\n", self.effort)?;
         writeln!(f, "{}", self.parameter_table())?;
         writeln!(f, "{}", self.objective_table())?;
         let gain = match self.matrices.gain {
@@ -27,40 +28,40 @@ impl fmt::Display for Tuning {
     }
 }
 
+impl fmt::Display for Effort {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { log, device, .. } = self;
+        write!(f, "{}: {}, {} rows", self.problem, log.source, count(log.rows as u64))?;
+        if log.trajectories > 1 {
+            write!(f, " in {} trajectories", log.trajectories)?;
+        }
+        let (evaluations, generations) = (count(self.evaluations), count(self.generations as u64));
+        write!(f, "\n{}, seed {}: {evaluations} evaluations in {generations} generations", self.algorithm, self.seed)?;
+        let Device { backend, adapter, precision } = device;
+        write!(f, ", {} on {backend} ({adapter}, {precision})", seconds(self.wall_s))?;
+        write!(f, "\nstopped: {}", ended(self.stop))
+    }
+}
+
+const fn ended(stop: StopReason) -> &'static str {
+    match stop {
+        StopReason::Generations => "all generations are done",
+        StopReason::Evaluations => "no more evaluations are allowed",
+        StopReason::WallTime => "the time allowed is over",
+        StopReason::Stall => "no gain for as many generations as allowed",
+        StopReason::Target => "the target is reached",
+        StopReason::Interrupted => "interrupted; this is the best so far",
+    }
+}
+
 impl Tuning {
-    fn heading(&self) -> String {
-        let log = &self.log;
-        let trajectories = if log.trajectories == 1 { String::new() } else { format!(" in {} trajectories", log.trajectories) };
-        format!("{}: {}, {} rows{trajectories}", self.problem, log.source, log.rows)
-    }
-
-    fn effort(&self) -> String {
-        let device = &self.device;
-        format!(
-            "{}, seed {}: {} evaluations in {} generations and {} on the {} ({}, {}); stopped: {}",
-            self.algorithm,
-            self.seed,
-            count(self.evaluations),
-            count(self.generations as u64),
-            seconds(self.wall_s),
-            device.backend,
-            device.adapter,
-            device.precision,
-            self.stop.replace('_', " "),
-        )
-    }
-
     fn parameter_table(&self) -> TextTable {
         let mut table = TextTable::new(["parameter", "unit", "baseline", "tuned", "note"]);
         for (name, tuned) in self.parameters.iter() {
-            let note = match self.at_bound.get(name) {
-                None => "",
-                Some(Bound::Lower) => "at its lower bound",
-                Some(Bound::Upper) => "at its upper bound",
-            };
-            let unit = self.units.get(name).cloned().flatten().unwrap_or_default();
-            let baseline = self.baseline.parameters.get(name).map_or_else(String::new, |v| significant(*v, DIGITS));
-            table.push([name.to_owned(), unit, baseline, significant(*tuned, DIGITS), note.to_owned()]);
+            let note = self.at_bound.get(name).map_or_else(String::new, |bound| format!("at its {bound} bound"));
+            let unit = self.effort.units.get(name).cloned().flatten().unwrap_or_default();
+            let baseline = self.effort.baseline.parameters.get(name).map_or_else(String::new, |v| significant(*v, DIGITS));
+            table.push([name.to_owned(), unit, baseline, significant(*tuned, DIGITS), note]);
         }
         table
     }
@@ -68,12 +69,12 @@ impl Tuning {
     fn objective_table(&self) -> TextTable {
         let mut table = TextTable::new(["objective, in-sample, f64", "baseline", "tuned", "raw measurements"]);
         for (name, tuned) in self.objectives.iter() {
-            let baseline = self.baseline.objective(name);
+            let baseline = self.effort.baseline.objective(name);
             let raw = self.raw_measurements.get(name).map_or_else(String::new, |v| significant(*v, DIGITS));
             let cell = |value: Option<f64>| value.map_or_else(|| "failed".to_owned(), |v| significant(v, DIGITS));
             table.push([name.to_owned(), cell(baseline), significant(*tuned, DIGITS), raw]);
             if name == "nll" {
-                let rows = self.log.measured_rows.max(1) as f64;
+                let rows = self.measured_rows.max(1) as f64;
                 let per_row = [cell(baseline.map(|v| v / rows)), significant(tuned / rows, DIGITS)];
                 let [baseline, tuned] = per_row;
                 table.push(["nll per measured row".to_owned(), baseline, tuned, String::new()]);
@@ -95,12 +96,13 @@ impl Tuning {
 
     fn polish_line(&self) -> Option<String> {
         let polish = self.polish.as_ref()?;
-        let (name, _) = self.objectives.iter().next()?;
+        let (name, before) = polish.before.iter().next()?;
+        let after = polish.after.get(name)?;
         Some(format!(
-            "Polish: {} f64 evaluations took {name} from {} to {}.",
-            count(polish.evaluations),
-            significant(polish.before, DIGITS + 2),
-            significant(polish.after, DIGITS + 2),
+            "Polish: {} evaluations took {name} from {} to {}.",
+            polish.evaluations,
+            significant(*before, DIGITS + 2),
+            significant(*after, DIGITS + 2),
         ))
     }
 }

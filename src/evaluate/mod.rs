@@ -4,6 +4,7 @@ mod block;
 mod cpu;
 
 pub use cpu::{BuildError, CpuEvaluator, CpuOptions};
+pub mod mock;
 
 use std::fmt;
 

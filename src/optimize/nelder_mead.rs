@@ -10,8 +10,6 @@ pub struct Options {
     pub evaluations: usize,
     /// Stops when the simplex and the spread of its costs are both this small, relative to the best vertex.
     pub tolerance: f64,
-    /// First edge of the simplex, as a share of `init` in each coordinate.
-    pub edge: f64,
     /// Whether reflection, expansion and both contractions travel in one `ask`. The path is the same either way; with
     /// an evaluator that scores four candidates as fast as one, it takes half the calls.
     pub speculative: bool,
@@ -19,7 +17,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { evaluations: 300, tolerance: 1e-10, edge: 0.01, speculative: true }
+        Self { evaluations: 300, tolerance: 1e-10, speculative: true }
     }
 }
 
@@ -70,18 +68,19 @@ pub struct NelderMead {
 }
 
 impl NelderMead {
-    /// From `start` (clipped to the box): the other vertices lie one edge away, along one coordinate each.
+    /// From `start` (clipped to the box): the other vertices lie `edges[d]` away along coordinate d, in the direction
+    /// that the box has room for.
     ///
     /// # Errors
-    /// If the space is not a box.
-    pub fn new(space: &Space, start: &[f64], options: Options) -> Result<Self, OptimizeError> {
+    /// If the space is not a box, or `start` and positive `edges` are not as long as it has coordinates.
+    pub fn new(space: &Space, start: &[f64], edges: &[f64], options: Options) -> Result<Self, OptimizeError> {
         space.check()?;
-        if start.len() != space.dimension() {
-            return Err(OptimizeError::Space { coordinate: start.len(), problem: "the start has another length" });
+        let n = space.dimension();
+        if start.len() != n || edges.len() != n || !edges.iter().all(|edge| *edge > 0.0) {
+            return Err(OptimizeError::Space { coordinate: n, problem: "the first simplex does not fit the space" });
         }
         let mut x = start.to_vec();
         space.clip(&mut x);
-        let edges: Vec<f64> = space.init.iter().zip(&x).map(|(init, x)| edge(*init, *x, options.edge)).collect();
         let vertex = |x: Vec<f64>| Vertex { x, cost: f64::INFINITY };
         let mut simplex = vec![vertex(x.clone())];
         for (d, edge) in edges.iter().enumerate() {
@@ -93,7 +92,7 @@ impl NelderMead {
         Ok(Self {
             space: space.clone(),
             options,
-            edges,
+            edges: edges.to_vec(),
             trials: std::array::from_fn(|_| vertex(x.clone())),
             known: [false; 4],
             simplex,
@@ -199,13 +198,6 @@ impl NelderMead {
         }
         self.pending = Pending::Vertices(1);
     }
-}
-
-/// First edge in a coordinate: a share of `init`, or of the position where `init` is a point.
-fn edge([low, high]: [f64; 2], x: f64, share: f64) -> f64 {
-    let width = high - low;
-    let edge = share * if width > 0.0 { width } else { x.abs() };
-    if edge > 0.0 { edge } else { share }
 }
 
 impl Optimizer for NelderMead {

@@ -62,6 +62,7 @@ impl Space {
                 return fail(d, "the first population needs a finite range to be drawn from");
             }
         }
-        Ok(())
+        let lost = |seed: &Vec<f64>| seed.iter().position(|x| !x.is_finite());
+        self.seeds.iter().find_map(lost).map_or(Ok(()), |d| fail(d, "a start is not a finite number"))
     }
 }

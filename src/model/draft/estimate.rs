@@ -1,6 +1,6 @@
 //! Rough noise variances by the method of moments, good enough to start a search from.
 
-use super::survey::Series;
+use super::survey::{Series, median};
 
 /// Most axes of a built-in model, and of a random walk written as formulas.
 const BUILT_IN_AXES: usize = 3;
@@ -61,7 +61,7 @@ impl Motion {
     /// to which the process adds (2/3) q (k dt)^3 over k rows for a velocity driven by white noise; mean square changes
     /// over k rows of a level are 2 r + q k dt. The differences between two k give q.
     pub(super) fn axis(self, name: String, series: &[Series]) -> Axis {
-        let dt = usable(median(intervals(series)), 1.0);
+        let dt = usable(median(series.iter().flat_map(Series::intervals).collect()), 1.0);
         let spread = usable(mean_square_about_mean(series), 1.0);
         let second = |lag| second_differences(series, lag).collect::<Vec<f64>>();
         let robust = usable(robust_variance(second(1)), mean_square(second(1).into_iter()));
@@ -86,12 +86,13 @@ impl Motion {
 /// Whether changes grow like a motion's rather than a level's.
 ///
 /// The mean square change over k rows is 2 r + q k dt for a wandering level and 2 r + v^2 (k dt)^2 for a motion, so
-/// between k = 1, s, s^2 it grows by a factor of s or of s^2, whatever r is: the middle, s^1.5, parts the two.
+/// between k = 1, s, s^2 it grows by a factor of s or of s^2, whatever r is: the middle, s^1.5, parts the two. Where it
+/// does not even double over all, there is nothing but noise.
 fn travels(series: &[Series]) -> bool {
     let longest = series.iter().map(|s| s.value.len()).max().unwrap_or(0);
     let stride = if longest >= 64 { 4 } else { 2 };
     let [one, few, many] = [1, stride, stride * stride].map(|lag| mean_square(changes(series, lag)));
-    longest >= 8 && few > one && many - few > (stride as f64).powf(1.5) * (few - one)
+    longest >= 8 && few > one && many > 2.0 * one && many - few > (stride as f64).powf(1.5) * (few - one)
 }
 
 /// z[k + lag] - z[k].
@@ -105,10 +106,6 @@ fn second_differences(series: &[Series], lag: usize) -> impl Iterator<Item = f64
         (2 * lag..s.value.len()).map(|k| s.value[k] - 2.0 * s.value[k - lag] + s.value[k - 2 * lag]).collect::<Vec<_>>()
     };
     series.iter().flat_map(triples)
-}
-
-fn intervals(series: &[Series]) -> Vec<f64> {
-    series.iter().flat_map(|s| s.time.windows(2).map(|w| w[1] - w[0])).collect()
 }
 
 fn mean_square(values: impl Iterator<Item = f64>) -> f64 {
@@ -132,15 +129,6 @@ fn robust_variance(values: Vec<f64>) -> f64 {
     let middle = median(values.clone());
     let deviation = median(values.into_iter().map(|v| (v - middle).abs()).collect());
     (SIGMA_OVER_MAD * deviation).powi(2)
-}
-
-/// NaN of no values; the upper of the middle two of an even number.
-fn median(mut values: Vec<f64>) -> f64 {
-    if values.is_empty() {
-        return f64::NAN;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// `value` if a search can start from it, else `otherwise`, else 1.

@@ -6,6 +6,9 @@ use std::io::Read;
 use super::roles::{Roles, names_a_trajectory};
 use crate::data::{Clock, LogError, Rows};
 
+/// An interval this many times the median one is a gap: what happened in it says nothing about a step.
+const JUMP: f64 = 10.0;
+
 /// All columns of a log.
 pub(super) struct Survey {
     pub(super) columns: Vec<Column>,
@@ -35,7 +38,7 @@ pub(super) enum Content {
     Labels(HashMap<Box<str>, usize>),
 }
 
-/// The present values of one column in one trajectory, with their times [s].
+/// Present values of one column in one trajectory, with their times [s].
 pub(super) struct Series {
     pub(super) time: Vec<f64>,
     pub(super) value: Vec<f64>,
@@ -77,7 +80,7 @@ impl Survey {
         rows
     }
 
-    /// The present values of column `i`, trajectory by trajectory.
+    /// The present values of column `i`, trajectory by trajectory, parted where time jumps.
     pub(super) fn series(&self, i: usize, roles: &Roles) -> Vec<Series> {
         let one = |rows: Vec<usize>| {
             let mut series = Series { time: Vec::new(), value: Vec::new() };
@@ -87,8 +90,36 @@ impl Survey {
             }
             series
         };
-        self.trajectories(roles.trajectory).into_iter().map(one).collect()
+        let whole: Vec<Series> = self.trajectories(roles.trajectory).into_iter().map(one).collect();
+        let jump = JUMP * median(whole.iter().flat_map(Series::intervals).collect());
+        whole.iter().flat_map(|series| series.parted(jump)).collect()
     }
+}
+
+impl Series {
+    /// Intervals between values [s].
+    pub(super) fn intervals(&self) -> impl Iterator<Item = f64> {
+        self.time.windows(2).map(|w| w[1] - w[0])
+    }
+
+    fn parted(&self, jump: f64) -> Vec<Self> {
+        let ends = self.intervals().enumerate().filter(|(_, dt)| *dt > jump).map(|(k, _)| k + 1);
+        let (mut parts, mut start) = (Vec::new(), 0);
+        for end in ends.chain([self.time.len()]) {
+            parts.push(Self { time: self.time[start..end].to_vec(), value: self.value[start..end].to_vec() });
+            start = end;
+        }
+        parts
+    }
+}
+
+/// NaN of no values; the upper of the middle two of an even number.
+pub(super) fn median(mut values: Vec<f64>) -> f64 {
+    if values.is_empty() {
+        return f64::NAN;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 impl Column {

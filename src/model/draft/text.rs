@@ -37,7 +37,7 @@ impl Page<'_> {
         let data = self.data;
         writeln!(f, "[data]\nfile = {}", quoted(data.file.as_deref().unwrap_or_default()))?;
         match (&data.time, self.roles.false_time) {
-            (Some(time), _) => writeln!(f, "time = {}   # seconds, or ISO-8601", quoted(time))?,
+            (Some(time), _) => writeln!(f, "time = {}   # {}", quoted(time), self.time_unit())?,
             (None, Some((i, line))) => {
                 let name = &self.survey.columns[i].name;
                 writeln!(
@@ -63,6 +63,13 @@ impl Page<'_> {
         writeln!(f)
     }
 
+    fn time_unit(&self) -> &'static str {
+        match self.roles.time.map(|i| &self.survey.columns[i].content) {
+            Some(Content::Instants(_)) => "becomes seconds since the first row",
+            _ => "taken as seconds",
+        }
+    }
+
     /// Comments on every column that is not used.
     fn left_out(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let name = |i: usize| self.survey.columns[i].name.as_str();
@@ -79,7 +86,7 @@ impl Page<'_> {
         let (truth, unused): (Vec<usize>, Vec<usize>) = unused.into_iter().partition(|&i| is_truth(i));
         let (numbers, useless): (Vec<usize>, Vec<usize>) =
             unused.into_iter().partition(|&i| self.survey.columns[i].varies());
-        let of = |columns: &[usize]| columns.iter().map(|&i| format!("{:?}", name(i))).collect::<Vec<_>>().join(", ");
+        let of = |columns: &[usize]| some(columns.iter().map(|&i| format!("{:?}", name(i))));
         if !numbers.is_empty() {
             let taken = self.data.measurements.len();
             writeln!(f, "# Only {taken} columns were taken as measurements, not {}.", of(&numbers))?;
@@ -95,8 +102,8 @@ impl Page<'_> {
             Content::Instants(_) => "times",
             Content::Labels(_) => "no value appears twice",
         };
-        let reasons: Vec<String> = useless.iter().map(|i| format!("{:?} ({})", name(*i), why(i))).collect();
-        if reasons.is_empty() { Ok(()) } else { writeln!(f, "# Left out: {}.", reasons.join(", ")) }
+        let reasons = some(useless.iter().map(|i| format!("{:?} ({})", name(*i), why(i))));
+        if useless.is_empty() { Ok(()) } else { writeln!(f, "# Left out: {reasons}.") }
     }
 
     fn model_table(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -147,14 +154,27 @@ impl Page<'_> {
     }
 }
 
-/// A TOML number of three significant digits.
-fn number(value: f64) -> String {
-    format!("{:?}", format!("{value:.2e}").parse().unwrap_or(value))
+/// The first few, and how many more there are: comments stay short in wide logs.
+fn some(mut texts: impl ExactSizeIterator<Item = String>) -> String {
+    let shown: Vec<String> = texts.by_ref().take(6).collect();
+    let rest = if texts.len() > 0 { format!(" and {} more", texts.len()) } else { String::new() };
+    shown.join(", ") + &rest
 }
 
-/// A TOML string.
+/// A TOML number of three significant digits.
+fn number(value: f64) -> String {
+    let rounded: f64 = format!("{value:.2e}").parse().unwrap_or(value);
+    if rounded < 1e5 { format!("{rounded:?}") } else { format!("{rounded:e}") }
+}
+
+/// A TOML string on one line, which may also stand as a key.
 fn quoted(text: &str) -> String {
-    toml::Value::String(text.to_owned()).to_string()
+    let escape = |c: char| match c {
+        '"' | '\\' => format!("\\{c}"),
+        c if c.is_control() => format!("\\u{:04X}", u32::from(c)),
+        c => c.to_string(),
+    };
+    format!("\"{}\"", text.chars().map(escape).collect::<String>())
 }
 
 /// A TOML key.

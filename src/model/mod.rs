@@ -1,5 +1,6 @@
 //! Models: formulas, built-in motion models, parameters, and the problem that ties them to a log.
 
+mod check_log;
 mod definite;
 mod error;
 mod expr;
@@ -9,6 +10,7 @@ mod linear;
 mod parameter;
 mod problem;
 mod read;
+mod tuned;
 
 pub use error::{Cause, Place, ProblemError};
 pub use expr::{Binary, Expr, ExprKind, Function, Span, Symbol};

@@ -237,7 +237,10 @@ impl Graph {
         if let Some(&id) = self.index.get(&node) {
             return id;
         }
-        #[expect(clippy::expect_used, reason = "4 billion nodes need 100 GB: formulas and dimensions are bounded far below")]
+        #[expect(
+            clippy::expect_used,
+            reason = "4 billion nodes need 100 GB: formulas and dimensions are bounded far below"
+        )]
         let id = Id(u32::try_from(self.nodes.len()).expect("a graph has fewer than 2^32 nodes"));
         let depends = match node {
             Node::Leaf(leaf) => Depends::of_leaf(leaf),
@@ -306,7 +309,11 @@ impl Calculator {
                 Node::Unary(op, a) => op.apply(of(a)),
                 Node::Binary(op, a, b) => op.apply(of(a), of(b)),
                 Node::Select { condition, then, otherwise } => {
-                    if of(condition) > 0.0 { of(then) } else { of(otherwise) }
+                    if of(condition) > 0.0 {
+                        of(then)
+                    } else {
+                        of(otherwise)
+                    }
                 }
             };
         }

@@ -13,5 +13,8 @@ fn tmp() {
         let log = Log::open(&d.data, Path::new("")).unwrap();
         println!("{}\n=======", crate::data::Summary::of(&log));
     }
-    println!("{}", of("id,when,a b,b,c,d,e\nx,2024-01-01,1,5,2,3,4\ny,2024-01-01,2,5,3,4,1\nx,2024-01-02,2,5,5,6,6\n").text);
+    println!(
+        "{}",
+        of("id,when,a b,b,c,d,e\nx,2024-01-01,1,5,2,3,4\ny,2024-01-01,2,5,3,4,1\nx,2024-01-02,2,5,5,6,6\n").text
+    );
 }

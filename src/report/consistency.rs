@@ -14,11 +14,14 @@ use serde::Serialize;
 
 use crate::data::Log;
 use crate::model::Problem;
-use crate::reference::Run;
+use crate::reference::{Run, Step};
 
 use band::Band;
 pub use verdict::{Finding, Verdict};
 pub use whiteness::Whiteness;
+
+/// Measured rows of each trajectory after which P0 and x0 are taken to be forgotten.
+const SETTLING: usize = 20;
 
 /// The consistency of one filter run. Means are per degree of freedom: 1 is ideal, NaN (JSON `null`) is no data.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -29,6 +32,8 @@ pub struct Consistency {
     pub nis_low: f64,
     /// Upper end.
     pub nis_high: f64,
+    /// Mean NIS without the first 20 measured rows of each trajectory, which tells a wrong P0 from wrong Q and R.
+    pub nis_settled: f64,
     /// Number of present components.
     pub components: usize,
     /// Headline of [`Self::findings`].
@@ -65,6 +70,7 @@ impl Consistency {
             nis_mean: nis.mean,
             nis_low: nis.low,
             nis_high: nis.high,
+            nis_settled: nis_settled(run),
             components,
             verdict: Verdict::NothingMeasured,
             findings: Vec::new(),
@@ -83,6 +89,13 @@ impl Consistency {
     pub fn is_consistent(&self) -> bool {
         self.verdict == Verdict::Consistent
     }
+}
+
+fn nis_settled(run: &Run) -> f64 {
+    let updates = |steps| <[Step]>::iter(steps).filter_map(|s| s.update.as_ref()).skip(SETTLING);
+    let later = run.trajectories.iter().flat_map(|steps| updates(steps));
+    let (sum, components) = later.fold((0.0, 0), |(sum, count), u| (sum + u.nis, count + u.present.len()));
+    sum / whiteness::number(components)
 }
 
 impl Nees {

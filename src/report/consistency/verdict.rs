@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::Consistency;
+use super::{Consistency, SETTLING};
 use crate::model::{Parameters, Search};
 use crate::report::Bound;
 
@@ -85,17 +85,27 @@ fn correlated(c: &Consistency) -> Option<Finding> {
 }
 
 fn nis(c: &Consistency) -> Option<Finding> {
-    let (verdict, side, advice) = if c.nis_mean > c.nis_high {
-        (Verdict::Overconfident, "above", "errors are larger than the filter believes: P0, Q or R is too small")
-    } else if c.nis_mean < c.nis_low {
-        (Verdict::Underconfident, "below", "errors are smaller than the filter believes: P0, Q or R is too large")
+    let (mean, low, high) = (c.nis_mean, c.nis_low, c.nis_high);
+    let (verdict, side, size) = if mean > high {
+        (Verdict::Overconfident, "above", "small")
+    } else if mean < low {
+        (Verdict::Underconfident, "below", "large")
     } else {
         return None;
     };
-    let (mean, low, high) = (c.nis_mean, c.nis_low, c.nis_high);
+    // The band of the whole log is the narrower one, so a later mean inside it is inside its own.
+    let cause = if low <= c.nis_settled && c.nis_settled <= high {
+        format!(
+            "it comes from the first {SETTLING} measured rows (mean {:.3} after them), so P0 is too {size} for this x0, \
+             and Q and R fit",
+            c.nis_settled
+        )
+    } else {
+        format!("P0, Q or R is too {size} for the errors that occur")
+    };
     Some(Finding {
         verdict,
-        advice: format!("mean NIS {mean:.3} is {side} its 95 % band {low:.3}..{high:.3}: {advice}"),
+        advice: format!("mean NIS {mean:.3} is {side} its 95 % band {low:.3}..{high:.3}: {cause}"),
     })
 }
 

@@ -5,8 +5,8 @@
 
 use std::io::{BufRead as _, BufReader, Read};
 
-use anyhow::{Context as _, bail, ensure};
 use crate::evaluate::Population;
+use anyhow::{Context as _, bail, ensure};
 
 /// Bytes read at once; also what bounds a batch.
 const BUFFER: usize = 1 << 20;
@@ -31,7 +31,8 @@ impl<R: Read> Candidates<R> {
     pub(super) fn open(input: R, source: &str, names: &[&str]) -> anyhow::Result<Self> {
         let names = names.iter().map(ToString::to_string).collect();
         let input = BufReader::with_capacity(BUFFER, input);
-        let mut candidates = Self { input, source: source.to_owned(), order: Vec::new(), names, line: 0, pending: None };
+        let mut candidates =
+            Self { input, source: source.to_owned(), order: Vec::new(), names, line: 0, pending: None };
         let expected = candidates.names.join(",");
         let Some(header) = candidates.next_line()? else {
             bail!("{source}: the file is empty (expected a header with the searched parameters: {expected})");
@@ -105,7 +106,10 @@ impl<R: Read> Candidates<R> {
         let mut order = Vec::new();
         for name in header.split(',').map(|field| field.trim().trim_matches('"')) {
             let Some(parameter) = self.names.iter().position(|n| n == name) else {
-                bail!("{at}: unknown column {name:?}{} (expected the searched parameters: {expected})", self.hint(name));
+                bail!(
+                    "{at}: unknown column {name:?}{} (expected the searched parameters: {expected})",
+                    self.hint(name)
+                );
             };
             ensure!(!order.contains(&parameter), "{at}: column {name:?} is named twice (keep one of them)");
             order.push(parameter);
@@ -118,7 +122,8 @@ impl<R: Read> Candidates<R> {
 
     fn hint(&self, unknown: &str) -> String {
         let near = self.names.iter().map(|name| (strsim::damerau_levenshtein(name, unknown), name)).min();
-        near.filter(|(distance, _)| *distance <= 2).map_or_else(String::new, |(_, name)| format!(", did you mean {name:?}?"))
+        near.filter(|(distance, _)| *distance <= 2)
+            .map_or_else(String::new, |(_, name)| format!(", did you mean {name:?}?"))
     }
 
     fn position(&self) -> String {

@@ -60,7 +60,11 @@ impl Evaluate {
         let taken = from_stdin && loaded.origin == load::Origin::Stdin;
         ensure!(!taken, "standard input cannot be both the log and the candidates (give one of them as a file)");
         let (problem, log) = (&loaded.problem, &loaded.log);
-        ensure!(problem.parameters.dimension() > 0, "{}: no parameter is searched, so there is nothing to evaluate (give one of [parameters] min and max)", problem.source);
+        ensure!(
+            problem.parameters.dimension() > 0,
+            "{}: no parameter is searched, so there is nothing to evaluate (give one of [parameters] min and max)",
+            problem.source
+        );
         let mut evaluator = CpuEvaluator::new(problem, log, self.compute.cpu())?;
         let mut candidates =
             Candidates::open(self.input(from_stdin)?, &self.source(from_stdin), &problem.parameters.names())?;
@@ -77,7 +81,8 @@ impl Evaluate {
         if from_stdin {
             return Ok(Box::new(io::stdin()));
         }
-        let file = File::open(&self.candidates).with_context(|| format!("cannot read {}", self.candidates.display()))?;
+        let file =
+            File::open(&self.candidates).with_context(|| format!("cannot read {}", self.candidates.display()))?;
         Ok(Box::new(file))
     }
 

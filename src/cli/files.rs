@@ -109,10 +109,7 @@ pub(super) fn print_json(value: &impl serde::Serialize) -> anyhow::Result<()> {
 }
 
 /// Writes `path` whole or leaves it as it was.
-pub(super) fn write_whole(
-    path: &Path,
-    fill: impl FnOnce(&mut dyn Write) -> anyhow::Result<()>,
-) -> anyhow::Result<()> {
+pub(super) fn write_whole(path: &Path, fill: impl FnOnce(&mut dyn Write) -> anyhow::Result<()>) -> anyhow::Result<()> {
     let temporary = temporary_name(path);
     let written = fill_file(&temporary, fill).and_then(|()| Ok(fs::rename(&temporary, path)?));
     if written.is_err() {

@@ -56,7 +56,8 @@ struct Summary {
 
 impl Filter {
     pub(super) fn run(&self, console: Console) -> anyhow::Result<Ending> {
-        let table = (!self.json || self.out.is_some()).then(|| Destination::prepare(self.out.as_deref())).transpose()?;
+        let table =
+            (!self.json || self.out.is_some()).then(|| Destination::prepare(self.out.as_deref())).transpose()?;
         let loaded = load::load(Some(&self.problem), self.data.as_deref(), console)?;
         let (problem, log) = (&loaded.problem, &loaded.log);
         let candidate = match &self.parameters {

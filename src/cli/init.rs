@@ -1,7 +1,7 @@
 //! `kfgpu init`: a first problem file for a log.
 
 use std::fs::File;
-use std::io::{self, Write as _};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, ensure};

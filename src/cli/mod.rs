@@ -1,6 +1,5 @@
 //! The command line: one file a verb. Results go to stdout, everything said to a person to stderr.
 
-mod bench;
 mod candidates;
 mod console;
 mod evaluate;
@@ -50,7 +49,6 @@ enum Verb {
     Tape(tape::Tape),
     Simulate(simulate::Simulate),
     Evaluate(evaluate::Evaluate),
-    Bench(bench::Bench),
 }
 
 /// How a verb ended, when not by an error.
@@ -102,7 +100,6 @@ impl Verb {
             Self::Tape(verb) => verb.run(console),
             Self::Simulate(verb) => verb.run(console),
             Self::Evaluate(verb) => verb.run(console),
-            Self::Bench(verb) => verb.run(console),
         }
     }
 }
@@ -125,7 +122,8 @@ mod tests {
     fn every_flag_says_what_it_does_and_its_default() {
         for verb in Cli::command().get_subcommands() {
             for flag in verb.get_arguments().filter(|a| !a.is_positional()) {
-                let help = flag.get_long_help().or_else(|| flag.get_help()).map(ToString::to_string).unwrap_or_default();
+                let help =
+                    flag.get_long_help().or_else(|| flag.get_help()).map(ToString::to_string).unwrap_or_default();
                 let says_default = help.contains("default") || !flag.get_default_values().is_empty();
                 assert!(says_default, "{} --{}: {help:?}", verb.get_name(), flag.get_id());
             }

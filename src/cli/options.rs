@@ -38,6 +38,6 @@ impl From<PrecisionChoice> for Precision {
 
 impl Compute {
     pub(super) fn cpu(&self) -> CpuOptions {
-        CpuOptions { precision: self.precision.into(), threads: self.threads.map(NonZeroUsize::get) }
+        CpuOptions { precision: self.precision.into(), threads: self.threads }
     }
 }

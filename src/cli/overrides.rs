@@ -123,7 +123,8 @@ mod tests {
     #[test]
     fn absent_tables_are_made() {
         let target = Override::new("--target", &["tune", "stop", "target"], 1.5);
-        for text in ["", "[data]\nfile = \"a.csv\"\n", "[tune]\n", "tune = { seed = 1 }\n", "[tune.stop]\nstall = 1\n"] {
+        for text in ["", "[data]\nfile = \"a.csv\"\n", "[tune]\n", "tune = { seed = 1 }\n", "[tune.stop]\nstall = 1\n"]
+        {
             let read: toml::Table = with(text, std::slice::from_ref(&target)).parse().unwrap();
             assert_eq!(read["tune"]["stop"]["target"].as_float(), Some(1.5), "{text:?} became {read:?}");
         }

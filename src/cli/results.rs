@@ -1,6 +1,5 @@
 //! The files of `tune --out DIR`.
 
-use std::io::Write as _;
 use std::path::Path;
 
 use serde::Serialize;

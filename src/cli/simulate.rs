@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::Ending;
 use super::console::Console;
 use super::files::Destination;
-use super::Ending;
 use crate::data::{self, Summary};
 use crate::model::Problem;
 

@@ -7,7 +7,7 @@ use clap::Args;
 use super::console::Console;
 use super::options::PrecisionChoice;
 use super::{Ending, files, load};
-use crate::filter;
+use crate::evaluate::{CpuEvaluator, CpuOptions};
 
 /// Print the straight-line program that every candidate runs, and its operation counts.
 ///
@@ -30,8 +30,9 @@ pub(super) struct Tape {
 impl Tape {
     pub(super) fn run(&self, console: Console) -> anyhow::Result<Ending> {
         let loaded = load::load(Some(&self.problem), self.data.as_deref(), console)?;
-        let program = filter::trace(&loaded.problem, &loaded.log, self.precision.into())?;
-        files::print(&program.to_string())?;
+        let options = CpuOptions { precision: self.precision.into(), ..CpuOptions::default() };
+        let evaluator = CpuEvaluator::new(&loaded.problem, &loaded.log, options)?;
+        files::print(&format!("{:?}", evaluator.program()))?;
         Ok(Ending::Done)
     }
 }

@@ -131,7 +131,7 @@ impl Tune {
     fn study(&self, problem: &Problem, log: &Log, console: Console) -> anyhow::Result<(Outcome, Device)> {
         let interrupt = interrupt::flag()?;
         let cpu = self.compute.cpu();
-        let mut evaluator = CpuEvaluator::new(problem, log, cpu.clone())?;
+        let mut evaluator = CpuEvaluator::new(problem, log, cpu)?;
         let in_f64 = CpuOptions { precision: Precision::F64, ..cpu };
         let wants_f64 = problem.tune.polish && in_f64.precision != cpu.precision;
         let mut polisher = wants_f64.then(|| CpuEvaluator::new(problem, log, in_f64)).transpose()?;
@@ -144,12 +144,7 @@ impl Tune {
     }
 
     /// Says that every candidate failed, in the same places as a result.
-    fn report_nothing(
-        &self,
-        effort: Effort,
-        outcome: &Outcome,
-        folder: Option<&OutFolder>,
-    ) -> anyhow::Result<Ending> {
+    fn report_nothing(&self, effort: Effort, outcome: &Outcome, folder: Option<&OutFolder>) -> anyhow::Result<Ending> {
         let interrupted = outcome.stop == StopReason::Interrupted;
         let nothing = effort.without_winner();
         if let Some(folder) = folder {

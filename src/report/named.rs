@@ -8,10 +8,7 @@ pub struct Named<T>(Vec<(String, T)>);
 
 impl<T> Named<T> {
     /// Names and values side by side; the longer list is cut.
-    pub fn new<N: Into<String>>(
-        names: impl IntoIterator<Item = N>,
-        values: impl IntoIterator<Item = T>,
-    ) -> Self {
+    pub fn new<N: Into<String>>(names: impl IntoIterator<Item = N>, values: impl IntoIterator<Item = T>) -> Self {
         Self(names.into_iter().map(Into::into).zip(values).collect())
     }
 

@@ -21,13 +21,7 @@ pub enum Covariance {
 ///
 /// # Errors
 /// When `out` cannot be written.
-pub fn write_run(
-    problem: &Problem,
-    log: &Log,
-    run: &Run,
-    covariance: Covariance,
-    out: impl Write,
-) -> csv::Result<()> {
+pub fn write_run(problem: &Problem, log: &Log, run: &Run, covariance: Covariance, out: impl Write) -> csv::Result<()> {
     let named = log.trajectories.iter().any(|t| !t.id.is_empty());
     let entries = entries(problem.model.states.len(), covariance);
     let mut table = csv::Writer::from_writer(out);

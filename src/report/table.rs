@@ -26,7 +26,8 @@ impl TextTable {
 
     fn is_numeric(&self, c: usize) -> bool {
         let mut cells = self.column(c).skip(1).filter(|cell| !cell.is_empty()).peekable();
-        cells.peek().is_some() && cells.all(|cell| cell.starts_with(|first: char| first.is_ascii_digit() || first == '-'))
+        cells.peek().is_some()
+            && cells.all(|cell| cell.starts_with(|first: char| first.is_ascii_digit() || first == '-'))
     }
 }
 

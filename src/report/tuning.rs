@@ -147,11 +147,7 @@ impl Effort {
         let units = searched.map(|p| p.unit.clone());
         Self {
             problem: problem.source.clone(),
-            log: LogFacts {
-                source: log.source.clone(),
-                rows: log.rows(),
-                trajectories: log.trajectories.len(),
-            },
+            log: LogFacts { source: log.source.clone(), rows: log.rows(), trajectories: log.trajectories.len() },
             algorithm: outcome.algorithm.to_owned(),
             units: Named::new(problem.parameters.names(), units),
             baseline: Scored {
@@ -194,9 +190,11 @@ impl Tuning {
     /// If that run fails; it does not for a winner of [`study::run`].
     pub fn of(effort: Effort, problem: &Problem, log: &Log, winner: &Winner) -> Result<Self, Failure> {
         let run = reference::run(problem, log, &winner.candidate)?;
-        let at_bound = problem.parameters.searched().zip(&winner.candidate).filter_map(|((parameter, search), value)| {
-            Some((parameter.name.clone(), Bound::of(search, *value)?))
-        });
+        let at_bound = problem
+            .parameters
+            .searched()
+            .zip(&winner.candidate)
+            .filter_map(|((parameter, search), value)| Some((parameter.name.clone(), Bound::of(search, *value)?)));
         let raw = problem.tune.objectives.iter().filter_map(|o| Some((o.name(), raw_rmse(problem, log, o)?)));
         Ok(Self {
             effort,

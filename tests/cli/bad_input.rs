@@ -104,12 +104,18 @@ fn infinite_values() {
 
 #[test]
 fn bounds_reversed() {
-    says(&refused_problem("min = 1e-3, max = 1e2, scale = \"log\", start = 1,", "min = 5, max = 2,"), &["problem.toml:1"]);
+    says(
+        &refused_problem("min = 1e-3, max = 1e2, scale = \"log\", start = 1,", "min = 5, max = 2,"),
+        &["problem.toml:1"],
+    );
 }
 
 #[test]
 fn log_bounds_not_positive() {
-    says(&refused_problem("min = 1e-3, max = 1e2, scale = \"log\", start = 1,", "min = 0, max = 2, scale = \"log\","), &["problem.toml:1"]);
+    says(
+        &refused_problem("min = 1e-3, max = 1e2, scale = \"log\", start = 1,", "min = 0, max = 2, scale = \"log\","),
+        &["problem.toml:1"],
+    );
 }
 
 #[test]

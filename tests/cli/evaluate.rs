@@ -97,7 +97,8 @@ fn a_pipe_is_answered_line_by_line() {
 #[test]
 fn earlier_lines_are_answered_before_a_bad_one_is_refused() {
     let folder = Folder::with_level();
-    let finished = folder.run_with_input(&["evaluate", "problem.toml", "-", "--quiet"], "q,r\n1,50\n1,2\n1,oops\n1,3\n");
+    let finished =
+        folder.run_with_input(&["evaluate", "problem.toml", "-", "--quiet"], "q,r\n1,50\n1,2\n1,oops\n1,3\n");
     let finished = finished.expect(2);
     assert_eq!(finished.table().len(), 3, "{}", finished.stdout);
     assert_eq!(finished.stderr, "error: <stdin>:4: column \"r\": expected a finite number, found \"oops\"\n");

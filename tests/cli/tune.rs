@@ -6,12 +6,13 @@ use serde_json::Value;
 
 use crate::command::{Finished, Folder};
 
-/// A result without what may differ from run to run.
+/// A result without what may differ from run to run: times, and the number of threads in the device's name.
 fn without_times(mut json: Value) -> Value {
     let object = json.as_object_mut().unwrap();
     for key in ["wall_s", "evaluate_s"] {
         assert!(object.remove(key).is_some_and(|v| v.is_f64()), "{key} is there");
     }
+    assert!(object["device"].as_object_mut().unwrap().remove("adapter").is_some(), "the device has a name");
     json
 }
 

@@ -1,5 +1,6 @@
 //! The command line: one file a verb. Results go to stdout, everything said to a person to stderr.
 
+mod bench;
 mod candidates;
 mod console;
 mod evaluate;
@@ -49,6 +50,7 @@ enum Verb {
     Tape(tape::Tape),
     Simulate(simulate::Simulate),
     Evaluate(evaluate::Evaluate),
+    Bench(bench::Bench),
 }
 
 /// How a verb ended, when not by an error.
@@ -100,6 +102,7 @@ impl Verb {
             Self::Tape(verb) => verb.run(console),
             Self::Simulate(verb) => verb.run(console),
             Self::Evaluate(verb) => verb.run(console),
+            Self::Bench(verb) => verb.run(console),
         }
     }
 }

@@ -15,7 +15,7 @@ pub use bound::Bound;
 pub use consistency::{Consistency, Finding, Nees, Verdict, Whiteness};
 pub use matrices::{Gain, Matrices, Matrix};
 pub use named::Named;
-pub use number::{count, exact, seconds, significant};
+pub use number::{count, exact, seconds, short, significant};
 pub use raw::raw_rmse;
 pub use run_csv::{Covariance, write_run};
 pub use table::TextTable;

@@ -19,6 +19,16 @@ pub fn significant(value: f64, digits: usize) -> String {
     format!("{value:.decimals$}")
 }
 
+/// As [`significant`], without zeros at the end: for values a person typed.
+#[must_use]
+pub fn short(value: f64, digits: usize) -> String {
+    let text = significant(value, digits);
+    if !text.contains('.') || text.contains('e') {
+        return text;
+    }
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
 /// The shortest text that reads back as the same bits, for CSV.
 #[must_use]
 pub fn exact(value: f64) -> String {
@@ -69,6 +79,14 @@ mod tests {
         for (value, digits, expected) in cases {
             assert_eq!(significant(value, digits), expected, "{value} with {digits} digits");
         }
+    }
+
+    #[test]
+    fn short_text_ends_in_no_zeros() {
+        assert_eq!(short(10_000.0, 8), "10000");
+        assert_eq!(short(0.25, 8), "0.25");
+        assert_eq!(short(1e9, 3), "1.00e9");
+        assert_eq!(short(0.0, 3), "0");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Effort, Gain, Named, Scored, TextTable, Tuning, count, seconds, significant};
+use super::{Effort, Gain, Named, Scored, TextTable, Tuning, count, seconds, short, significant};
 use crate::evaluate::Device;
 use crate::study::StopReason;
 
@@ -18,8 +18,8 @@ impl fmt::Display for Tuning {
             Gain::Steady => "steady gain",
             Gain::Last => "gain of the last complete measurement",
         };
-        writeln!(f, "Tuned filter (dt = {} s; K: {gain}):\n{}", significant(self.matrices.dt, 6), self.matrices)?;
-        writeln!(f, "{}", self.consistency)?;
+        writeln!(f, "Tuned filter (dt = {} s; K: {gain}):\n{}", short(self.matrices.dt, 6), self.matrices)?;
+        writeln!(f, "Consistency (in-sample): {}", self.consistency)?;
         writeln!(f, "{}", self.certificate_line())?;
         if let Some(line) = self.polish_line() {
             writeln!(f, "{line}")?;
@@ -61,8 +61,8 @@ impl Tuning {
             let note = self.at_bound.get(name).map_or_else(String::new, |bound| format!("at its {bound} bound"));
             let unit = self.effort.units.get(name).cloned().flatten().unwrap_or_default();
             let baseline =
-                self.effort.baseline.parameters.get(name).map_or_else(String::new, |v| significant(*v, DIGITS));
-            table.push([name.to_owned(), unit, baseline, significant(*tuned, DIGITS), note]);
+                self.effort.baseline.parameters.get(name).map_or_else(String::new, |v| short(*v, DIGITS));
+            table.push([name.to_owned(), unit, baseline, short(*tuned, DIGITS), note]);
         }
         table
     }

@@ -176,7 +176,7 @@ fn the_place_is_marked_with_a_caret() {
     folder.write("problem.toml", LEVEL.replace("f = [\"x\"]", "f = [\"x + drift\"]"));
     let stderr = folder.run(&["tune", "problem.toml"]).expect(2).stderr;
     let lines: Vec<&str> = stderr.lines().collect();
-    assert!(lines[0].starts_with("error: problem.toml:9:10: "), "{stderr}");
+    assert!(lines[0].starts_with("error: problem.toml:9:11: "), "{stderr}");
     let (formula, carets) = (lines[lines.len() - 2], lines[lines.len() - 1]);
     assert_eq!(formula.find("drift"), carets.find("^^^^^"), "{stderr}");
 }

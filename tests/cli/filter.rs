@@ -55,7 +55,7 @@ fn starts_of_another_problem_file_are_used() {
     let renamed = folder.read("problem.toml").replace("r = {", "noise = {").replace("\"r\"", "\"noise\"");
     folder.write("other.toml", renamed);
     let message = folder.run(&["filter", "problem.toml", "--parameters", "other.toml"]).refusal();
-    assert!(message.contains("\"r\""), "{message}");
+    assert!(message.contains("`r`"), "{message}");
 }
 
 #[test]

@@ -136,13 +136,20 @@ fn stops() {
 }
 
 #[test]
-fn nothing_usable_exits_1() {
+fn nothing_usable_exits_1_and_says_so_everywhere() {
     let folder = Folder::with_level();
-    // R = r - 1000 is negative for every candidate.
-    folder.write("problem.toml", folder.read("problem.toml").replace("z = \"r\"", "z = \"r - 1000\""));
-    let finished = folder.run(&["tune", "problem.toml", "--no-start", "--out", "out"]);
-    assert!(finished.code == 1 || finished.code == 2, "{finished:?}");
-    assert!(!finished.stderr.contains("panicked"), "{}", finished.stderr);
+    // The variance overflows at the second row, whatever is tried.
+    folder.write("problem.toml", folder.read("problem.toml").replace("f = [\"x\"]", "f = [\"1e200*x\"]"));
+    let finished = folder.run(&["tune", "problem.toml", "--json", "--out", "out"]).expect(1);
+    assert!(finished.stderr.contains("error: no usable candidate"), "{}", finished.stderr);
+    let json = finished.json();
+    assert!(json["parameters"].is_null() && json["objectives"].is_null(), "{json}");
+    assert!(json["baseline"]["objectives"].is_null(), "{json}");
+    assert_eq!(json["failed"], json["evaluations"]);
+    assert_eq!(folder.names("out"), ["history.csv", "result.json"], "there is no tuned problem");
+
+    let finished = folder.run(&["filter", "problem.toml"]).expect(2);
+    assert!(finished.stderr.contains("error: log.csv:"), "{}", finished.stderr);
 }
 
 /// Ctrl-C, as a shell sends it.
@@ -156,7 +163,8 @@ fn interrupt(process: u32) {
 #[test]
 fn ctrl_c_writes_the_best_so_far_and_exits_130() {
     let folder = Folder::with_level();
-    let arguments = ["tune", "problem.toml", "--json", "--generations", "1000000000", "--out", "out"];
+    folder.write("log.csv", crate::command::level_log(20_000));
+    let arguments = ["tune", "problem.toml", "--json", "--generations", "1000000", "--out", "out"];
     let child = folder.spawn(&arguments);
     std::thread::sleep(Duration::from_millis(700));
     let asked = Instant::now();

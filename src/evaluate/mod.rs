@@ -44,7 +44,7 @@ impl Population {
     /// Number of candidates.
     #[must_use]
     pub fn len(&self) -> usize {
-        if self.dimension == 0 { 0 } else { self.values.len() / self.dimension }
+        self.values.len().checked_div(self.dimension).unwrap_or(0)
     }
 
     /// Whether there is none.

@@ -1,5 +1,7 @@
 //! Optimisers: ask/tell over a search space; they never see what evaluates.
 
+pub mod random;
+
 use crate::evaluate::{Evaluation, Population};
 
 /// Moves a population. Positions are in **search coordinates** (see [`Space`]); the study converts.

@@ -1,14 +1,19 @@
 //! The measurement: one evaluator, one population, repeated.
 
+use std::num::NonZero;
 use std::time::{Duration, Instant};
 
 use super::process::{cpu_time, peak_memory_mib};
 use super::workload::truncate;
 use super::{Report, Workload, candidates};
 use crate::data::{Log, LogError};
-use crate::evaluate::{BuildError, CpuEvaluator, CpuOptions, Device, Evaluator, Population, Precision};
+use crate::evaluate::{BuildError, CpuEvaluator, CpuOptions, Device, Evaluation, Evaluator, Population, Precision};
 use crate::model::{Problem, ProblemError};
 use crate::objective::{Kind, Objective};
+use crate::reference;
+
+/// What every candidate is scored by, as every peer does.
+const OBJECTIVES: [Kind; 3] = [Kind::Nll, Kind::MseInnovation, Kind::Nis];
 
 /// What to measure.
 #[derive(Debug, Clone)]
@@ -86,12 +91,13 @@ pub fn run(options: &Options) -> Result<Report, BenchError> {
     if population.is_empty() {
         return Err(BenchError::NothingSearched(problem.source));
     }
-    let cpu = CpuOptions { precision: options.precision, threads: Some(options.threads) };
+    let cpu = CpuOptions { precision: options.precision, threads: NonZero::new(options.threads) };
     let start = Instant::now();
     let mut evaluator = CpuEvaluator::new(&problem, &log, cpu)?;
     let compile = start.elapsed();
-    let scores = Scores::of(&mut evaluator, &population, log.rows());
+    let evaluation = evaluator.evaluate(&population);
     let first_call = start.elapsed();
+    let scores = Scores { evaluation, first_nis: first_nis(&problem, &log, &population) };
     let times = Times::measure(options, || drop(std::hint::black_box(evaluator.evaluate(&population))));
     let device = evaluator.device();
     Ok(Measured { options, source: problem.source, rows: log.rows(), compile, first_call, times, scores, device }.report())
@@ -117,7 +123,7 @@ fn prepare(options: &Options) -> Result<(Problem, Log), BenchError> {
         }
         Subject::Problem(pair) => (**pair).clone(),
     };
-    problem.tune.objectives = [Kind::Nll, Kind::MseInnovation, Kind::Nis].map(Objective::new).to_vec();
+    problem.tune.objectives = OBJECTIVES.map(Objective::new).to_vec();
     if let Some(rows) = options.rows {
         truncate(&mut log, rows);
     }
@@ -154,18 +160,51 @@ fn median(values: &[f64]) -> Option<f64> {
     Some(0.5 * (lower + upper))
 }
 
-/// Log-likelihood, mean squared innovation and sum of NIS / T of every usable candidate; `None` for a failed one.
-struct Scores(Vec<Option<[f64; 3]>>);
+/// Costs in the order of [`OBJECTIVES`].
+struct Scores {
+    evaluation: Evaluation,
+    /// See [`Nis`].
+    first_nis: Option<Nis>,
+}
 
 impl Scores {
-    fn of(evaluator: &mut CpuEvaluator, population: &Population, rows: usize) -> Self {
-        Self(Vec::new())
+    /// Costs of the usable candidates.
+    fn usable(&self) -> impl Iterator<Item = &[f64]> {
+        let evaluation = &self.evaluation;
+        (0..evaluation.len()).filter(|i| evaluation.status(*i).is_ok()).map(|i| evaluation.costs(i))
     }
 
-    fn mean(&self, which: usize) -> Option<f64> {
-        let usable: Vec<f64> = self.0.iter().flatten().map(|s| s[which]).collect();
-        (!usable.is_empty()).then(|| usable.iter().sum::<f64>() / usable.len() as f64)
+    /// Costs of candidate 0, if it is usable.
+    fn first(&self) -> Option<&[f64]> {
+        (!self.evaluation.is_empty() && self.evaluation.status(0).is_ok()).then(|| self.evaluation.costs(0))
     }
+
+    fn mean(&self, objective: usize) -> Option<f64> {
+        let count = self.usable().count();
+        (count > 0).then(|| self.usable().map(|costs| costs[objective]).sum::<f64>() / count as f64)
+    }
+}
+
+/// What turns the objective `nis` = |nis_mean - 1| back into the sum of NIS / T: the side of 1 on which the mean lies,
+/// and the number of measured components.
+struct Nis {
+    above: bool,
+    components: f64,
+}
+
+impl Nis {
+    fn per_row(&self, cost: f64, rows: usize) -> f64 {
+        let mean = if self.above { 1.0 + cost } else { 1.0 - cost };
+        mean * self.components / rows as f64
+    }
+}
+
+/// By the reference filter, which keeps every row's NIS.
+fn first_nis(problem: &Problem, log: &Log, population: &Population) -> Option<Nis> {
+    let run = reference::run(problem, log, population.row(0)).ok()?;
+    let updates = run.trajectories.iter().flatten().filter_map(|step| step.update.as_ref());
+    let (sum, components) = updates.fold((0.0, 0), |(sum, n), update| (sum + update.nis, n + update.present.len()));
+    Some(Nis { above: sum > components as f64, components: components as f64 })
 }
 
 /// Everything a report is made of.
@@ -187,7 +226,8 @@ impl Measured<'_> {
         let median_s = median(&times.wall).unwrap_or(f64::NAN);
         let cpu_s = median(&times.cpu);
         let first_call_s = self.first_call.as_secs_f64();
-        let first = scores.0.first().copied().flatten();
+        let first = scores.first();
+        let check_nis = first.zip(scores.first_nis.as_ref()).map(|(costs, nis)| nis.per_row(costs[2], *rows));
         let workload = match options.subject {
             Subject::Workload(workload) => workload.to_string(),
             Subject::Problem(_) => self.source,
@@ -207,12 +247,12 @@ impl Measured<'_> {
             compile_s: self.compile.as_secs_f64(),
             first_call_s,
             steps_per_s_incl_compile: steps / first_call_s,
-            check: first.map(|s| s[0]),
-            check_mse: first.map(|s| s[1]),
-            check_nis: first.map(|s| s[2]),
-            mean_ll: scores.mean(0),
+            check: first.map(|costs| -costs[0]),
+            check_mse: first.map(|costs| costs[1]),
+            check_nis,
+            mean_ll: scores.mean(0).map(|nll| -nll),
             mean_mse: scores.mean(1),
-            failed: scores.0.iter().filter(|s| s.is_none()).count(),
+            failed: scores.evaluation.len() - scores.usable().count(),
             cpus: std::thread::available_parallelism().map_or(1, usize::from),
             threads: options.threads,
             maxrss_mb: peak_memory_mib(),

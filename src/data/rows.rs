@@ -49,11 +49,6 @@ impl<'a> Rows<'a> {
         Ok(rows)
     }
 
-    /// The file, for messages.
-    pub(crate) fn file(&self) -> &str {
-        &self.file
-    }
-
     /// Names of the header's columns.
     pub(crate) fn names(&self) -> &[String] {
         &self.names

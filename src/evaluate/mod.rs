@@ -1,5 +1,11 @@
 //! Evaluators: a whole population in, a cost matrix and a status each out.
 
+mod block;
+mod cpu;
+
+pub use cpu::{BuildError, CpuEvaluator, CpuOptions};
+pub mod mock;
+
 use std::fmt;
 
 /// Candidates, one row each: the values of the searched parameters in their own units.

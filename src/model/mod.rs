@@ -1,6 +1,7 @@
 //! Models: formulas, built-in motion models, parameters, and the problem that ties them to a log.
 
 mod definite;
+mod draft;
 mod error;
 mod expr;
 mod formula;
@@ -10,6 +11,7 @@ mod parameter;
 mod problem;
 mod read;
 
+pub use draft::{Draft, draft};
 pub use error::{Cause, Place, ProblemError};
 pub use expr::{Binary, Expr, ExprKind, Function, Span, Symbol};
 pub use parameter::{Parameter, Parameters, Scale, Search, Value};

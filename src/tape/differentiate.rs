@@ -132,11 +132,30 @@ mod tests {
         let mut g = Graph::default();
         let (x, y) = (g.leaf(Leaf::Variable(0)), g.leaf(Leaf::Variable(1)));
         let mut cases = Vec::new();
-        for op in [Unary::Negate, Unary::Sqrt, Unary::Exp, Unary::Ln, Unary::Sin, Unary::Cos, Unary::Tan, Unary::Atan, Unary::Abs] {
+        for op in [
+            Unary::Negate,
+            Unary::Sqrt,
+            Unary::Exp,
+            Unary::Ln,
+            Unary::Sin,
+            Unary::Cos,
+            Unary::Tan,
+            Unary::Atan,
+            Unary::Abs,
+        ] {
             let product = g.mul(x, y);
             cases.push(g.unary(op, product));
         }
-        for op in [Binary::Add, Binary::Subtract, Binary::Multiply, Binary::Divide, Binary::Min, Binary::Max, Binary::Atan2, Binary::Power] {
+        for op in [
+            Binary::Add,
+            Binary::Subtract,
+            Binary::Multiply,
+            Binary::Divide,
+            Binary::Min,
+            Binary::Max,
+            Binary::Atan2,
+            Binary::Power,
+        ] {
             let square = g.mul(x, x);
             cases.push(g.binary(op, square, y));
         }

@@ -237,7 +237,10 @@ impl Graph {
         if let Some(&id) = self.index.get(&node) {
             return id;
         }
-        #[expect(clippy::expect_used, reason = "4 billion nodes need 100 GB: formulas and dimensions are bounded far below")]
+        #[expect(
+            clippy::expect_used,
+            reason = "4 billion nodes need 100 GB: formulas and dimensions are bounded far below"
+        )]
         let id = Id(u32::try_from(self.nodes.len()).expect("a graph has fewer than 2^32 nodes"));
         let depends = match node {
             Node::Leaf(leaf) => Depends::of_leaf(leaf),
@@ -251,7 +254,7 @@ impl Graph {
 
     /// Operands of a node, in order.
     #[expect(clippy::unused_self, reason = "reads as a question to the graph")]
-    pub(super) const fn operands(&self, node: Node) -> [Option<Id>; 3] {
+    pub(crate) const fn operands(&self, node: Node) -> [Option<Id>; 3] {
         match node {
             Node::Constant(_) | Node::Leaf(_) => [None; 3],
             Node::Unary(_, a) => [Some(a), None, None],
@@ -261,7 +264,7 @@ impl Graph {
     }
 
     /// Every node that `roots` need and that `inside` accepts (it is not looked behind the others), operands first.
-    pub(super) fn reachable(&self, roots: &[Id], inside: impl Fn(Id) -> bool) -> Vec<Id> {
+    pub(crate) fn reachable(&self, roots: &[Id], inside: impl Fn(Id) -> bool) -> Vec<Id> {
         let mut seen = vec![false; self.nodes.len()];
         let mut stack: Vec<Id> = roots.to_vec();
         let mut found = Vec::new();
@@ -306,7 +309,11 @@ impl Calculator {
                 Node::Unary(op, a) => op.apply(of(a)),
                 Node::Binary(op, a, b) => op.apply(of(a), of(b)),
                 Node::Select { condition, then, otherwise } => {
-                    if of(condition) > 0.0 { of(then) } else { of(otherwise) }
+                    if of(condition) > 0.0 {
+                        of(then)
+                    } else {
+                        of(otherwise)
+                    }
                 }
             };
         }

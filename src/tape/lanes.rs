@@ -43,7 +43,11 @@ pub trait Lane:
 
 macro_rules! lane {
     ($float:ty, $bits:ty, $mantissa_bits:literal, $bias:literal, $steps:literal) => {
-        #[expect(clippy::cast_possible_truncation, clippy::cast_lossless, reason = "rounding to the lane's precision is the purpose")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_lossless,
+            reason = "rounding to the lane's precision is the purpose"
+        )]
         impl Lane for $float {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -238,7 +242,13 @@ fn general<T: Lane, const C: usize, const B: usize>(op: &Operation, r: &mut [Reg
             Code::Copy => x[i],
             Code::Unary(unary) => x[i].unary(unary),
             Code::Binary(binary) => x[i].rare(binary, y[i]),
-            Code::Select => if x[i] > T::ZERO { y[i] } else { z[i] },
+            Code::Select => {
+                if x[i] > T::ZERO {
+                    y[i]
+                } else {
+                    z[i]
+                }
+            }
             Code::MultiplyAdd => x[i] * y[i] + z[i],
             Code::MultiplySubtract => x[i] * y[i] - z[i],
             Code::SubtractProduct => z[i] - x[i] * y[i],

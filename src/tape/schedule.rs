@@ -100,6 +100,23 @@ impl Tape {
     }
 }
 
+impl Tape {
+    /// Renumbers the scalars so that those with a property come first.
+    pub(crate) fn scalars_first(&mut self, property: impl Fn(Id) -> bool) {
+        let (first, rest): (Vec<usize>, Vec<usize>) = (0..self.scalars.len()).partition(|i| property(self.scalars[*i]));
+        let order: Vec<usize> = first.into_iter().chain(rest).collect();
+        let mut place = vec![0; order.len()];
+        order.iter().enumerate().for_each(|(new, old)| place[*old] = narrow(new));
+        self.scalars = order.iter().map(|old| self.scalars[*old]).collect();
+        for argument in self.operations.iter_mut().flat_map(|o| &mut o.arguments) {
+            match *argument {
+                Argument::NONE | Argument::Register(_) => {}
+                Argument::Scalar(s) => *argument = Argument::Scalar(place[s as usize]),
+            }
+        }
+    }
+}
+
 /// An operation before registers are known.
 struct Term {
     code: Code,

@@ -118,7 +118,11 @@ impl Graph {
     pub fn select(&mut self, condition: Id, then: Id, otherwise: Id) -> Id {
         match self.value(condition) {
             Some(value) => {
-                if value > 0.0 { then } else { otherwise }
+                if value > 0.0 {
+                    then
+                } else {
+                    otherwise
+                }
             }
             None if then == otherwise => then,
             None => self.intern(Node::Select { condition, then, otherwise }),

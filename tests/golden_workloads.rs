@@ -10,9 +10,11 @@ use baseline::Baseline;
 use handwritten::Filter;
 use kfgpu::bench::{Workload, candidates};
 use kfgpu::data::Log;
-use kfgpu::evaluate::Population;
+use kfgpu::evaluate::{CpuEvaluator, CpuOptions, Evaluator, Population, Precision};
 use kfgpu::model::Problem;
+use kfgpu::objective::{Kind, Objective};
 use kfgpu::reference;
+use std::num::NonZero;
 
 /// One candidate's expected values.
 #[derive(serde::Deserialize)]
@@ -166,6 +168,44 @@ fn reference_states_agree() {
             for (found, expected) in last.posterior.x.iter().zip(&golden.x_last) {
                 close(&format!("workload {}, reference, x", case.workload), *found, *expected, 1e-9);
             }
+        }
+    }
+}
+
+/// Costs of the lanes as log-likelihood, mean squared innovation, sum of NIS / T.
+fn lanes(case: &Case, precision: Precision) -> Vec<[f64; 3]> {
+    let objectives = [Kind::Nll, Kind::MseInnovation, Kind::NisMean].map(Objective::new);
+    let options = CpuOptions { precision, threads: NonZero::new(1) };
+    let mut evaluator = CpuEvaluator::with_objectives(&case.problem, &case.log, &objectives, options).unwrap();
+    let evaluation = evaluator.evaluate(&case.population);
+    (0..evaluation.len())
+        .map(|i| {
+            assert!(evaluation.status(i).is_ok(), "workload {}: candidate {i} failed", case.workload);
+            let costs = evaluation.costs(i);
+            [-costs[0], costs[1], costs[2] * case.measurements() as f64]
+        })
+        .collect()
+}
+
+#[test]
+fn lanes_in_f64_agree() {
+    for case in Case::all() {
+        for (found, golden) in lanes(&case, Precision::F64).into_iter().zip(&case.golden) {
+            scores_close(&case, "lanes f64", found, golden, 1e-9);
+        }
+    }
+}
+
+/// The promise of `docs/semantics.md`: nll per step to 1e-5 x max(1, |nll per step|), f1 to 1e-5 relative.
+#[test]
+fn lanes_in_f32_keep_the_promise() {
+    for case in Case::all() {
+        let rows = case.log.rows() as f64;
+        for ([log_likelihood, mse, nis], golden) in lanes(&case, Precision::F32).into_iter().zip(&case.golden) {
+            let name = |what: &str| format!("workload {}, lanes f32, {what}", case.workload);
+            close(&name("log-likelihood per row"), log_likelihood / rows, golden.loglik / rows, 1e-5);
+            assert!((mse / golden.mse - 1.0).abs() <= 1e-5, "{}: {mse}, not {}", name("mse"), golden.mse);
+            close(&name("NIS"), nis, golden.nis, 1e-5);
         }
     }
 }

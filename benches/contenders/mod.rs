@@ -7,6 +7,7 @@ use kfgpu::data::Log;
 use kfgpu::evaluate::{CpuEvaluator, CpuOptions, Evaluator, Population, Precision};
 use kfgpu::model::Problem;
 use std::hint::black_box;
+use std::num::NonZero;
 
 /// One program scoring all candidates of a workload, on one thread.
 pub(crate) struct Contender {
@@ -79,8 +80,13 @@ fn by_hand<T: Real + 'static>(
     Contender { name, evaluate }
 }
 
-fn kfgpu(name: &'static str, (problem, log): (&Problem, &Log), population: &Population, precision: Precision) -> Contender {
-    let options = CpuOptions { precision, threads: Some(1) };
+fn kfgpu(
+    name: &'static str,
+    (problem, log): (&Problem, &Log),
+    population: &Population,
+    precision: Precision,
+) -> Contender {
+    let options = CpuOptions { precision, threads: NonZero::new(1) };
     let mut evaluator = CpuEvaluator::new(problem, log, options).expect("the workload traces");
     let population = population.clone();
     Contender { name, evaluate: Box::new(move || drop(black_box(evaluator.evaluate(black_box(&population))))) }

@@ -25,11 +25,7 @@ pub(crate) struct Sums {
 
 impl Sums {
     fn plus(self, other: Self) -> Self {
-        Self {
-            squares: self.squares + other.squares,
-            nis: self.nis + other.nis,
-            log_det: self.log_det + other.log_det,
-        }
+        Self { squares: self.squares + other.squares, nis: self.nis + other.nis, log_det: self.log_det + other.log_det }
     }
 
     /// Log-likelihood [nats], mean squared innovation, sum of NIS / rows.

@@ -61,9 +61,8 @@ mod tests {
 
     #[test]
     fn candidates_stay_in_their_ranges_and_fill_them() {
-        let parameters = Parameters {
-            all: vec![searched("a", [-3.0, 5.0], Scale::Linear), searched("b", [1e-4, 1e2], Scale::Log)],
-        };
+        let parameters =
+            Parameters { all: vec![searched("a", [-3.0, 5.0], Scale::Linear), searched("b", [1e-4, 1e2], Scale::Log)] };
         let population = candidates(&parameters, 1000);
         assert_eq!(population.len(), 1000, "one row per candidate");
         assert!(population.rows().all(|c| (-3.0..5.0).contains(&c[0]) && (1e-4..1e2).contains(&c[1])), "in range");

@@ -64,9 +64,18 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { workload, candidates, rows, dtype, threads, .. } = self;
         let plural = if *threads == 1 { "" } else { "s" };
-        writeln!(f, "workload             {workload}: {candidates} candidates x {rows} rows, {dtype}, {threads} thread{plural}")?;
+        writeln!(
+            f,
+            "workload             {workload}: {candidates} candidates x {rows} rows, {dtype}, {threads} thread{plural}"
+        )?;
         writeln!(f, "device               {} ({})", self.device, self.isa)?;
-        writeln!(f, "filter-steps/s       {:.3e} (median of {}, best {:.3e})", self.steps_per_s, self.reps, self.best())?;
+        writeln!(
+            f,
+            "filter-steps/s       {:.3e} (median of {}, best {:.3e})",
+            self.steps_per_s,
+            self.reps,
+            self.best()
+        )?;
         if let Some(rate) = self.steps_per_cpu_s {
             writeln!(f, "per CPU-second       {rate:.3e}")?;
         }

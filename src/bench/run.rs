@@ -6,14 +6,13 @@ use std::time::{Duration, Instant};
 use super::process::{cpu_time, peak_memory_mib};
 use super::workload::truncate;
 use super::{Report, Workload, candidates};
-use crate::data::{Log, LogError};
-use crate::evaluate::{BuildError, CpuEvaluator, CpuOptions, Device, Evaluation, Evaluator, Population, Precision};
+use crate::data::{Log, LogError, Trajectory};
+use crate::evaluate::{BuildError, CpuEvaluator, CpuOptions, Device, Evaluation, Evaluator, Precision};
 use crate::model::{Problem, ProblemError};
 use crate::objective::{Kind, Objective};
-use crate::reference;
 
 /// What every candidate is scored by, as every peer does.
-const OBJECTIVES: [Kind; 3] = [Kind::Nll, Kind::MseInnovation, Kind::Nis];
+const OBJECTIVES: [Kind; 3] = [Kind::Nll, Kind::MseInnovation, Kind::NisMean];
 
 /// What to measure.
 #[derive(Debug, Clone)]
@@ -97,10 +96,11 @@ pub fn run(options: &Options) -> Result<Report, BenchError> {
     let compile = start.elapsed();
     let evaluation = evaluator.evaluate(&population);
     let first_call = start.elapsed();
-    let scores = Scores { evaluation, first_nis: first_nis(&problem, &log, &population) };
+    let scores = Scores { evaluation, components_per_row: components(&log) / log.rows() as f64 };
     let times = Times::measure(options, || drop(std::hint::black_box(evaluator.evaluate(&population))));
     let device = evaluator.device();
-    Ok(Measured { options, source: problem.source, rows: log.rows(), compile, first_call, times, scores, device }.report())
+    Ok(Measured { options, source: problem.source, rows: log.rows(), compile, first_call, times, scores, device }
+        .report())
 }
 
 fn refuse_zeros(options: &Options) -> Result<(), BenchError> {
@@ -128,6 +128,13 @@ fn prepare(options: &Options) -> Result<(Problem, Log), BenchError> {
         truncate(&mut log, rows);
     }
     Ok((problem, log))
+}
+
+/// Number of present measurement components.
+fn components(log: &Log) -> f64 {
+    let present =
+        |t: &Trajectory| (0..t.len()).map(|k| t.z.row(k).iter().filter(|z| !z.is_nan()).count()).sum::<usize>();
+    log.trajectories.iter().map(present).sum::<usize>() as f64
 }
 
 /// Timed evaluations [s].
@@ -163,8 +170,8 @@ fn median(values: &[f64]) -> Option<f64> {
 /// Costs in the order of [`OBJECTIVES`].
 struct Scores {
     evaluation: Evaluation,
-    /// See [`Nis`].
-    first_nis: Option<Nis>,
+    /// Present measurement components / rows: what turns NIS per component into NIS per row.
+    components_per_row: f64,
 }
 
 impl Scores {
@@ -185,28 +192,6 @@ impl Scores {
     }
 }
 
-/// What turns the objective `nis` = |nis_mean - 1| back into the sum of NIS / T: the side of 1 on which the mean lies,
-/// and the number of measured components.
-struct Nis {
-    above: bool,
-    components: f64,
-}
-
-impl Nis {
-    fn per_row(&self, cost: f64, rows: usize) -> f64 {
-        let mean = if self.above { 1.0 + cost } else { 1.0 - cost };
-        mean * self.components / rows as f64
-    }
-}
-
-/// By the reference filter, which keeps every row's NIS.
-fn first_nis(problem: &Problem, log: &Log, population: &Population) -> Option<Nis> {
-    let run = reference::run(problem, log, population.row(0)).ok()?;
-    let updates = run.trajectories.iter().flatten().filter_map(|step| step.update.as_ref());
-    let (sum, components) = updates.fold((0.0, 0), |(sum, n), update| (sum + update.nis, n + update.present.len()));
-    Some(Nis { above: sum > components as f64, components: components as f64 })
-}
-
 /// Everything a report is made of.
 struct Measured<'a> {
     options: &'a Options,
@@ -220,17 +205,16 @@ struct Measured<'a> {
 }
 
 impl Measured<'_> {
-    fn report(self) -> Report {
-        let Self { options, rows, times, scores, .. } = &self;
+    fn report(&self) -> Report {
+        let Self { options, rows, times, scores, .. } = self;
         let steps = options.candidates as f64 * *rows as f64;
         let median_s = median(&times.wall).unwrap_or(f64::NAN);
         let cpu_s = median(&times.cpu);
         let first_call_s = self.first_call.as_secs_f64();
         let first = scores.first();
-        let check_nis = first.zip(scores.first_nis.as_ref()).map(|(costs, nis)| nis.per_row(costs[2], *rows));
         let workload = match options.subject {
             Subject::Workload(workload) => workload.to_string(),
-            Subject::Problem(_) => self.source,
+            Subject::Problem(_) => self.source.clone(),
         };
         Report {
             peer: "kfgpu",
@@ -249,15 +233,15 @@ impl Measured<'_> {
             steps_per_s_incl_compile: steps / first_call_s,
             check: first.map(|costs| -costs[0]),
             check_mse: first.map(|costs| costs[1]),
-            check_nis,
+            check_nis: first.map(|costs| costs[2] * scores.components_per_row),
             mean_ll: scores.mean(0).map(|nll| -nll),
             mean_mse: scores.mean(1),
             failed: scores.evaluation.len() - scores.usable().count(),
             cpus: std::thread::available_parallelism().map_or(1, usize::from),
             threads: options.threads,
             maxrss_mb: peak_memory_mib(),
-            device: self.device.backend,
-            isa: self.device.adapter,
+            device: self.device.backend.clone(),
+            isa: self.device.adapter.clone(),
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crate::data::{Log, LogError, Trajectory, Table};
+use crate::data::{Log, LogError, Table, Trajectory};
 use crate::model::{Problem, ProblemError};
 
 /// Three linear Kalman filters of three shapes; `benches/workloads/README.md` describes them.

@@ -4,6 +4,7 @@
 #![expect(clippy::missing_assert_message, reason = "the values compared say it")]
 
 mod bad_input;
+mod bench;
 mod command;
 mod evaluate;
 mod filter;

@@ -5,10 +5,13 @@ use std::fmt;
 use nalgebra::DMatrix;
 use serde::Serialize;
 
-use super::number::significant;
+use super::number::short;
 use crate::data::{Log, Summary};
 use crate::model::Problem;
 use crate::reference::{self, Run, Steady, Update};
+
+/// Significant digits of an entry: more than any tuned variance has.
+const DIGITS: usize = 8;
 
 /// A matrix as nested lists: what JSON and NumPy read.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -27,7 +30,7 @@ impl From<&DMatrix<f64>> for Matrix {
 impl fmt::Display for Matrix {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let cells: Vec<Vec<String>> =
-            self.rows.iter().map(|row| row.iter().map(|v| significant_or_integer(*v)).collect()).collect();
+            self.rows.iter().map(|row| row.iter().map(|v| short(*v, DIGITS)).collect()).collect();
         let width = cells.iter().flatten().map(String::len).max().unwrap_or(0);
         let indent = " ".repeat(f.width().unwrap_or(0));
         f.write_str("[")?;
@@ -40,11 +43,6 @@ impl fmt::Display for Matrix {
         }
         f.write_str("]")
     }
-}
-
-/// Eight digits are more than any tuned variance has; whole numbers stay whole.
-fn significant_or_integer(value: f64) -> String {
-    if value.fract().abs() <= 0.0 && value.abs() < 1e9 { format!("{value}") } else { significant(value, 8) }
 }
 
 /// The model's matrices for one candidate.
@@ -128,7 +126,7 @@ mod tests {
     fn a_matrix_reads_as_numpy_and_json() {
         let matrix = Matrix::from(&DMatrix::from_row_slice(2, 2, &[1.0, 0.25, 0.0, -1.0 / 3.0]));
         let text = format!("{matrix:4}");
-        assert_eq!(text, "[[          1,  0.25000000],\n     [          0, -0.33333333]]");
+        assert_eq!(text, "[[          1,        0.25],\n     [          0, -0.33333333]]");
         let read: Vec<Vec<f64>> = serde_json::from_str(&text).unwrap();
         assert!((read[1][1] + 1.0 / 3.0).abs() < 1e-8, "pasted text reads back: {text}");
         assert_eq!(serde_json::to_string(&matrix).unwrap(), "[[1.0,0.25],[0.0,-0.3333333333333333]]");

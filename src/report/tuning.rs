@@ -65,6 +65,8 @@ pub struct Tuning {
     pub parameters: Named<f64>,
     /// Bounds that the winner sits on, of the parameters that do.
     pub at_bound: Named<Bound>,
+    /// Values that the log was simulated with, of the parameters whose baseline they are not.
+    pub simulated_with: Named<f64>,
     /// The winner's objectives.
     pub objectives: Named<f64>,
     /// Rows that updated the tuned filter: nll / this is the nll per step.
@@ -200,6 +202,7 @@ impl Tuning {
             effort,
             parameters: parameters(problem, &winner.candidate),
             at_bound: at_bound.collect(),
+            simulated_with: simulated_with(problem),
             objectives: objectives(problem, &winner.objectives),
             measured_rows: run.trajectories.iter().flatten().filter(|step| step.update.is_some()).count(),
             validation: None,
@@ -234,6 +237,11 @@ impl Polish {
             after: objectives(problem, &polish.after),
         }
     }
+}
+
+fn simulated_with(problem: &Problem) -> Named<f64> {
+    let spec = problem.simulate.as_ref().filter(|_| problem.data.file.is_none());
+    spec.into_iter().flat_map(|spec| spec.parameters.iter().cloned()).collect()
 }
 
 fn parameters(problem: &Problem, candidate: &[f64]) -> Named<f64> {

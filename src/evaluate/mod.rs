@@ -1,5 +1,11 @@
 //! Evaluators: a whole population in, a cost matrix and a status each out.
 
+mod block;
+mod cpu;
+
+pub use cpu::{BuildError, CpuEvaluator, CpuOptions};
+pub mod mock;
+
 use std::fmt;
 
 /// Candidates, one row each: the values of the searched parameters in their own units.
@@ -44,7 +50,7 @@ impl Population {
     /// Number of candidates.
     #[must_use]
     pub fn len(&self) -> usize {
-        if self.dimension == 0 { 0 } else { self.values.len() / self.dimension }
+        self.values.len().checked_div(self.dimension).unwrap_or(0)
     }
 
     /// Whether there is none.

@@ -2,6 +2,7 @@
 
 mod check_log;
 mod definite;
+mod draft;
 mod error;
 mod expr;
 mod formula;
@@ -12,6 +13,7 @@ mod problem;
 mod read;
 mod tuned;
 
+pub use draft::{Draft, draft};
 pub use error::{Cause, Place, ProblemError};
 pub use expr::{Binary, Expr, ExprKind, Function, Span, Symbol};
 pub use parameter::{Parameter, Parameters, Scale, Search, Value};

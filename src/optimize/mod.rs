@@ -1,8 +1,27 @@
 //! Optimisers: ask/tell over a search space; they never see what evaluates.
+//!
+//! Every optimiser is one file and one row of [`ALGORITHMS`]. All of them draw from [`random::Stream`] with one stream
+//! per (generation, candidate), so a result depends on the seed alone.
+
+pub mod nelder_mead;
+pub mod pio;
+pub mod pso;
+pub mod random;
+pub mod random_search;
+mod registry;
+mod space;
+mod swarm;
+#[cfg(test)]
+mod tests;
+
+pub use registry::{ALGORITHMS, Algorithm, OptimizeError, Settings, algorithm, build};
+pub use space::Space;
 
 use crate::evaluate::{Evaluation, Population};
 
 /// Moves a population. Positions are in **search coordinates** (see [`Space`]); the study converts.
+///
+/// Calls alternate: [`Self::ask`], then [`Self::tell`] with the costs of exactly that population.
 pub trait Optimizer {
     /// Name in the registry.
     fn name(&self) -> &'static str;
@@ -12,17 +31,4 @@ pub trait Optimizer {
 
     /// Costs of exactly the population that [`Self::ask`] gave last.
     fn tell(&mut self, population: &Population, costs: &Evaluation);
-}
-
-/// The box that an optimiser moves in: one entry per searched parameter, in the parameter's value or its logarithm.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Space {
-    /// Lower bounds; -inf when unbounded.
-    pub lower: Vec<f64>,
-    /// Upper bounds; +inf when unbounded.
-    pub upper: Vec<f64>,
-    /// Where the first population is drawn from, uniformly.
-    pub init: Vec<[f64; 2]>,
-    /// Candidates that replace the first members of generation 0 (the user's start).
-    pub seeds: Vec<Vec<f64>>,
 }

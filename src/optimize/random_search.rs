@@ -1,0 +1,42 @@
+//! Random search: the baseline that any other method must beat.
+
+use super::{Optimizer, Settings, Space, swarm};
+use crate::evaluate::{Evaluation, Population};
+
+/// Draws every generation afresh and uniformly from `init` (the bounds, where bounded); learns nothing.
+///
+/// J. Bergstra, Y. Bengio, "Random search for hyper-parameter optimization", JMLR 13 (2012), shows why it is the
+/// baseline to beat. No constants. Any number of objectives.
+#[derive(Debug, Clone)]
+pub struct RandomSearch {
+    space: Space,
+    settings: Settings,
+    generation: usize,
+}
+
+impl RandomSearch {
+    /// At generation 0, which holds the seeds.
+    #[must_use]
+    pub fn new(space: &Space, settings: &Settings) -> Self {
+        Self { space: space.clone(), settings: *settings, generation: 0 }
+    }
+}
+
+impl Optimizer for RandomSearch {
+    fn name(&self) -> &'static str {
+        "random"
+    }
+
+    fn ask(&mut self) -> Option<Population> {
+        let Settings { population, seed, generations, .. } = self.settings;
+        match self.generation {
+            0 => Some(swarm::first(&self.space, population, seed)),
+            g if g <= generations => Some(swarm::draw(&self.space, population, seed, g as u64)),
+            _ => None,
+        }
+    }
+
+    fn tell(&mut self, _population: &Population, _costs: &Evaluation) {
+        self.generation += 1;
+    }
+}

@@ -1,0 +1,54 @@
+//! What all swarms share: the first population and the best position.
+
+use super::Space;
+use super::random::{Purpose, Stream};
+use crate::evaluate::{Evaluation, Population};
+
+/// `size` positions drawn uniformly from `space.init` and clipped to the box, one stream each.
+pub(super) fn draw(space: &Space, size: usize, seed: u64, generation: u64) -> Population {
+    let mut population = Population::new(space.dimension());
+    let mut position = vec![0.0; space.dimension()];
+    for i in 0..size as u64 {
+        let mut stream = Stream::new(seed, Purpose::Population, generation, i);
+        for (x, [low, high]) in position.iter_mut().zip(&space.init) {
+            *x = low + stream.uniform() * (high - low);
+        }
+        space.clip(&mut position);
+        population.push(&position);
+    }
+    population
+}
+
+/// Generation 0: drawn, then the first members replaced by the seeds (clipped to the box).
+pub(super) fn first(space: &Space, size: usize, seed: u64) -> Population {
+    let mut population = draw(space, size, seed, 0);
+    for (i, seed) in space.seeds.iter().take(size).enumerate() {
+        population.row_mut(i).copy_from_slice(seed);
+        space.clip(population.row_mut(i));
+    }
+    population
+}
+
+/// The best position ever evaluated, X_g or G_best.
+#[derive(Debug, Clone)]
+pub(super) struct Best {
+    pub(super) position: Vec<f64>,
+    pub(super) cost: f64,
+}
+
+impl Best {
+    pub(super) fn none(dimension: usize) -> Self {
+        Self { position: vec![0.0; dimension], cost: f64::INFINITY }
+    }
+
+    /// Replaced by the best of the population if that is strictly better (the first one on ties).
+    pub(super) fn update(&mut self, population: &Population, costs: &Evaluation) {
+        for (i, position) in population.rows().enumerate() {
+            let cost = costs.costs(i)[0];
+            if cost < self.cost {
+                self.cost = cost;
+                self.position.copy_from_slice(position);
+            }
+        }
+    }
+}

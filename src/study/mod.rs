@@ -1,0 +1,268 @@
+//! The study: the one loop of ask, evaluate, tell; then the f64 verdict on what it found.
+
+mod archive;
+mod coordinates;
+mod finish;
+mod record;
+mod stop;
+#[cfg(test)]
+mod tests;
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+pub use archive::{Archive, Scored};
+pub use coordinates::Coordinates;
+pub use finish::{Certificate, Polish};
+pub use record::{FINALISTS, Generation, Observer};
+pub use stop::StopReason;
+
+use crate::evaluate::{Evaluation, Evaluator, Population};
+use crate::model::{Parameters, Problem, TuneSpec};
+use crate::optimize::{self, OptimizeError, Optimizer, Settings};
+use record::Record;
+
+/// What is searched, and how.
+#[derive(Debug, Clone, Copy)]
+pub struct Study<'a> {
+    /// The parameters, of which some are searched.
+    pub parameters: &'a Parameters,
+    /// Algorithm, budget and seed.
+    pub tune: &'a TuneSpec,
+}
+
+impl<'a> Study<'a> {
+    /// The study that a problem file describes.
+    #[must_use]
+    pub const fn of(problem: &'a Problem) -> Self {
+        Self { parameters: &problem.parameters, tune: &problem.tune }
+    }
+}
+
+/// f64 costs of a candidate by the reference filter, `None` where it fails. Called from several threads.
+pub type Oracle<'a> = dyn Fn(&[f64]) -> Option<Vec<f64>> + Sync + 'a;
+
+/// Who decides after the search.
+pub struct Judge<'a> {
+    /// Scores the finalists, the baseline and the polished winner.
+    pub oracle: &'a Oracle<'a>,
+    /// The f64 evaluator that polish runs on; `None` = the one of the search, which is right when that is f64 already.
+    pub polisher: Option<&'a mut dyn Evaluator>,
+}
+
+/// The user's own candidate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Baseline {
+    /// The starts; the middle of `init` where none is given.
+    pub candidate: Vec<f64>,
+    /// Objectives by the oracle; `None` where it fails.
+    pub objectives: Option<Vec<f64>>,
+}
+
+/// What the search found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Winner {
+    /// Values of the searched parameters, in their own units.
+    pub candidate: Vec<f64>,
+    /// Objectives by the oracle.
+    pub objectives: Vec<f64>,
+    /// How far search and oracle agree.
+    pub certificate: Certificate,
+    /// The local search after it; `None` when off or interrupted.
+    pub polish: Option<Polish>,
+}
+
+/// The result of a study.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// Name of the optimiser.
+    pub algorithm: &'static str,
+    /// The user's own candidate.
+    pub baseline: Baseline,
+    /// The best candidate; `None` if every one failed, in the search or by the oracle.
+    pub winner: Option<Winner>,
+    /// One row a generation.
+    pub history: Vec<Generation>,
+    /// Generations run, with the initial one.
+    pub generations: usize,
+    /// Evaluations of the search, without polish.
+    pub evaluations: u64,
+    /// How many of them failed.
+    pub failed: u64,
+    /// Why the search ended.
+    pub stop: StopReason,
+    /// Time inside the evaluator in seconds, without polish.
+    pub evaluate_s: f64,
+    /// Time of the whole study, in seconds.
+    pub wall_s: f64,
+}
+
+/// Why a study could not run.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum StudyError {
+    /// The optimiser could not be built.
+    #[error(transparent)]
+    Optimize(#[from] OptimizeError),
+    /// Every parameter is fixed.
+    #[error("no parameter is searched: give at least one a range, such as r = {{ min = 0.1, max = 45 }}")]
+    NothingSearched,
+    /// The first generation does not fit.
+    #[error(
+        "{evaluations} evaluations do not hold one generation of {population}: raise evaluations or lower population"
+    )]
+    BudgetTooSmall {
+        /// Evaluations allowed.
+        evaluations: u64,
+        /// Candidates of generation 0.
+        population: usize,
+    },
+    /// The evaluator broke its contract.
+    #[error("the evaluator returned {received} costs for {expected} candidates: it must return one row each")]
+    Evaluator {
+        /// Candidates sent.
+        expected: usize,
+        /// Rows received.
+        received: usize,
+    },
+}
+
+/// Runs a study: searches until the optimiser or a limit ends it, re-scores the best distinct candidates by the oracle,
+/// and polishes the winner.
+///
+/// Between generations `interrupt` is read: once true, the search ends with the best so far and polish is left out. A
+/// generation starts only if all of it fits in the evaluations allowed. Apart from times, the outcome depends on the
+/// study and the costs alone, as long as neither wall time nor an interrupt ends it.
+///
+/// # Errors
+/// If nothing is searched, the optimiser cannot be built, the budget holds no generation, or the evaluator returns the
+/// wrong number of costs.
+pub fn run(
+    study: &Study<'_>,
+    evaluator: &mut dyn Evaluator,
+    judge: Judge<'_>,
+    observers: &mut [&mut dyn Observer],
+    interrupt: &AtomicBool,
+) -> Result<Outcome, StudyError> {
+    let tune = study.tune;
+    if study.parameters.dimension() == 0 {
+        return Err(StudyError::NothingSearched);
+    }
+    let coordinates = Coordinates::new(study.parameters, tune.include_start);
+    let settings = Settings {
+        population: tune.population,
+        generations: tune.generations,
+        seed: tune.seed,
+        objectives: evaluator.objectives(),
+    };
+    let mut optimizer = optimize::build(&tune.algorithm, &coordinates.space(), &settings)?;
+    let mut record = Record::new();
+    let mut search =
+        Search { tune, coordinates: &coordinates, optimizer: optimizer.as_mut(), evaluator, record: &mut record };
+    let ended = search.run(observers, interrupt)?;
+    let candidate = study.parameters.baseline();
+    let baseline = Baseline { objectives: finish::ask_oracle(judge.oracle, &candidate), candidate };
+    let winner = decide(tune, &coordinates, &record, evaluator, judge, interrupt)?;
+    let stop = if interrupt.load(Ordering::Relaxed) { StopReason::Interrupted } else { ended };
+    Ok(Outcome {
+        algorithm: optimizer.name(),
+        baseline,
+        winner,
+        generations: record.generations,
+        evaluations: record.evaluations,
+        failed: record.failed,
+        stop,
+        evaluate_s: record.evaluate_s,
+        wall_s: record.seconds(),
+        history: record.history,
+    })
+}
+
+/// The one loop.
+struct Search<'s> {
+    tune: &'s TuneSpec,
+    coordinates: &'s Coordinates,
+    optimizer: &'s mut dyn Optimizer,
+    evaluator: &'s mut dyn Evaluator,
+    record: &'s mut Record,
+}
+
+impl Search<'_> {
+    fn run(&mut self, observers: &mut [&mut dyn Observer], interrupt: &AtomicBool) -> Result<StopReason, StudyError> {
+        loop {
+            if let Some(reason) = stop::reason(self.tune, self.record, interrupt) {
+                return Ok(reason);
+            }
+            let Some(positions) = self.optimizer.ask() else {
+                return Ok(StopReason::Generations);
+            };
+            if !self.fits(positions.len())? {
+                return Ok(StopReason::Evaluations);
+            }
+            self.generation(&positions)?;
+            let row = &self.record.history[self.record.generations - 1];
+            for observer in observers.iter_mut() {
+                observer.generation(row, self.record.archive.best());
+            }
+        }
+    }
+
+    /// Whether a generation of this size fits in the evaluations allowed; the first one must.
+    fn fits(&self, population: usize) -> Result<bool, StudyError> {
+        let allowed = self.tune.evaluations.unwrap_or(u64::MAX);
+        let fits = self.record.evaluations + population as u64 <= allowed;
+        if !fits && self.record.generations == 0 {
+            return Err(StudyError::BudgetTooSmall { evaluations: allowed, population });
+        }
+        Ok(fits)
+    }
+
+    fn generation(&mut self, positions: &Population) -> Result<(), StudyError> {
+        let candidates = self.coordinates.candidates(positions);
+        let clock = Instant::now();
+        let costs = evaluate(self.evaluator, &candidates)?;
+        self.record.evaluate_s += clock.elapsed().as_secs_f64();
+        self.optimizer.tell(positions, &costs);
+        if self.record.generations == 0 {
+            self.record.keep_start(self.coordinates.start(), &candidates, &costs);
+        }
+        self.record.add(&candidates, &costs);
+        Ok(())
+    }
+}
+
+/// Costs of a population, one row a candidate or an error.
+fn evaluate(evaluator: &mut dyn Evaluator, candidates: &Population) -> Result<Evaluation, StudyError> {
+    let costs = evaluator.evaluate(candidates);
+    if costs.len() == candidates.len() {
+        Ok(costs)
+    } else {
+        Err(StudyError::Evaluator { expected: candidates.len(), received: costs.len() })
+    }
+}
+
+/// The winner of the finalists, certified and polished. The user's start is always among the finalists if the search
+/// could score it, so that no winner is worse than the baseline.
+fn decide(
+    tune: &TuneSpec,
+    coordinates: &Coordinates,
+    record: &Record,
+    evaluator: &mut dyn Evaluator,
+    judge: Judge<'_>,
+    interrupt: &AtomicBool,
+) -> Result<Option<Winner>, StudyError> {
+    let mut finalists = record.archive.members().to_vec();
+    finalists.extend(record.start.iter().filter(|start| !record.archive.members().contains(start)).cloned());
+    let Some((mut winner, certificate)) = finish::certify(&finalists, judge.oracle) else {
+        return Ok(None);
+    };
+    let polish = if tune.polish && !interrupt.load(Ordering::Relaxed) {
+        let local: &mut dyn Evaluator = match judge.polisher {
+            Some(polisher) => polisher,
+            None => evaluator,
+        };
+        Some(finish::polish(&mut winner, coordinates, &finalists, local, judge.oracle, interrupt)?)
+    } else {
+        None
+    };
+    Ok(Some(Winner { candidate: winner.candidate, objectives: winner.costs, certificate, polish }))
+}

@@ -1,0 +1,161 @@
+//! What a search has done so far, and who watches it.
+
+use std::time::Instant;
+
+use super::archive::{Archive, Scored};
+use crate::evaluate::{Evaluation, Population};
+
+/// Candidates that are re-scored in f64 at the end.
+pub const FINALISTS: usize = 16;
+
+/// A relative gain below this counts as none.
+const STALL_GAIN: f64 = 1e-9;
+
+/// One generation of the history. Costs are of the first objective, as the search scored them.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Generation {
+    /// 0 = the initial population.
+    pub generation: usize,
+    /// Evaluations up to and with this generation.
+    pub evaluations: u64,
+    /// Best cost of the search so far; `None` while every candidate has failed.
+    pub best: Option<f64>,
+    /// Median cost of this generation's usable candidates.
+    pub median: Option<f64>,
+    /// Interquartile range of their costs.
+    pub spread: Option<f64>,
+    /// Candidates of this generation that failed.
+    pub failed: usize,
+    /// Time since the search began, in seconds.
+    pub seconds: f64,
+}
+
+/// Watches a search: progress, history, checkpoints.
+pub trait Observer {
+    /// A generation is finished; `best` is the best candidate so far, as the search scored it.
+    fn generation(&mut self, row: &Generation, best: Option<&Scored>);
+}
+
+/// The running record of a search.
+#[derive(Debug)]
+pub(super) struct Record {
+    clock: Instant,
+    pub(super) archive: Archive,
+    pub(super) start: Option<Scored>,
+    pub(super) history: Vec<Generation>,
+    pub(super) generations: usize,
+    pub(super) evaluations: u64,
+    pub(super) evaluate_s: f64,
+    pub(super) failed: u64,
+    /// Generations since the last gain.
+    pub(super) stalled: usize,
+    stall_cost: Option<f64>,
+}
+
+impl Record {
+    pub(super) fn new() -> Self {
+        Self {
+            clock: Instant::now(),
+            archive: Archive::new(FINALISTS),
+            start: None,
+            history: Vec::new(),
+            generations: 0,
+            evaluations: 0,
+            evaluate_s: 0.0,
+            failed: 0,
+            stalled: 0,
+            stall_cost: None,
+        }
+    }
+
+    /// Time since the beginning, in seconds.
+    pub(super) fn seconds(&self) -> f64 {
+        self.clock.elapsed().as_secs_f64()
+    }
+
+    /// Keeps the user's start with its costs, if generation 0 holds it and it did not fail.
+    pub(super) fn keep_start(&mut self, start: Option<&[f64]>, candidates: &Population, costs: &Evaluation) {
+        let found = start.and_then(|start| candidates.rows().position(|row| row == start));
+        self.start = found
+            .filter(|i| costs.status(*i).is_ok())
+            .map(|i| Scored { candidate: candidates.row(i).to_vec(), costs: costs.costs(i).to_vec() });
+    }
+
+    /// Takes in a finished generation.
+    pub(super) fn add(&mut self, candidates: &Population, costs: &Evaluation) {
+        self.archive.add(candidates, costs);
+        self.evaluations += candidates.len() as u64;
+        let best = self.archive.best().map(|best| best.costs[0]);
+        self.count_stall(best);
+        let mut usable: Vec<f64> =
+            (0..costs.len()).filter(|i| costs.status(*i).is_ok()).map(|i| costs.costs(i)[0]).collect();
+        let failed = costs.len() - usable.len();
+        self.failed += failed as u64;
+        let [low, median, high] = [0.25, 0.5, 0.75].map(|share| quantile(&mut usable, share));
+        self.history.push(Generation {
+            generation: self.generations,
+            evaluations: self.evaluations,
+            best,
+            median,
+            spread: low.zip(high).map(|(low, high)| high - low),
+            failed,
+            seconds: self.seconds(),
+        });
+        self.generations += 1;
+    }
+
+    fn count_stall(&mut self, best: Option<f64>) {
+        let gained = match (self.stall_cost, best) {
+            (None, Some(_)) => true,
+            (Some(old), Some(new)) => old - new > STALL_GAIN * old.abs(),
+            _ => false,
+        };
+        self.stalled = if gained { 0 } else { self.stalled + 1 };
+        if gained {
+            self.stall_cost = best;
+        }
+    }
+}
+
+/// The order statistic at this share of the values (no interpolation), which reorders them.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index below the length")]
+fn quantile(values: &mut [f64], share: f64) -> Option<f64> {
+    let last = values.len().checked_sub(1)?;
+    let index = (share * last as f64).round() as usize;
+    Some(*values.select_nth_unstable_by(index, f64::total_cmp).1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::Status;
+
+    fn add(record: &mut Record, costs: &[f64]) -> Generation {
+        let rows: Vec<f64> = (0..costs.len()).map(|i| (record.evaluations as usize + i) as f64).collect();
+        let status = costs.iter().map(|c| if c.is_nan() { Status::NOT_FINITE } else { Status::OK }).collect();
+        record.add(&Population::from_rows(1, rows), &Evaluation::new(1, costs.to_vec(), status));
+        record.history.last().expect("a row").clone()
+    }
+
+    #[test]
+    fn rows_of_the_history() {
+        let mut record = Record::new();
+        let lost = add(&mut record, &[f64::NAN, f64::NAN]);
+        assert_eq!((lost.best, lost.median, lost.spread, lost.failed), (None, None, None, 2));
+        let row = add(&mut record, &[5.0, 1.0, f64::NAN, 3.0, 2.0, 4.0]);
+        assert_eq!((row.generation, row.evaluations, row.failed), (1, 8, 1));
+        assert_eq!((row.best, row.median, row.spread), (Some(1.0), Some(3.0), Some(2.0)));
+        assert_eq!(add(&mut record, &[7.0]).best, Some(1.0), "best of the whole search");
+        assert_eq!((record.failed, record.history.len()), (3, 3));
+    }
+
+    #[test]
+    fn stall_counts_generations_without_a_relative_gain() {
+        let mut record = Record::new();
+        let steps = [(f64::NAN, 1), (-1.0, 0), (-1.0 - 1e-10, 1), (-1.0 - 5e-10, 2), (-1.0 - 2e-9, 0), (-0.5, 1)];
+        for (cost, stalled) in steps {
+            add(&mut record, &[cost]);
+            assert_eq!(record.stalled, stalled, "after {cost}");
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! When a search stops.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::Record;
+use crate::model::TuneSpec;
+
+/// Why a search ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StopReason {
+    /// The optimiser came to its own end.
+    Generations,
+    /// Another generation would not fit in the evaluations allowed.
+    Evaluations,
+    /// The time allowed is over.
+    WallTime,
+    /// No relative gain of 1e-9 for the number of generations allowed.
+    Stall,
+    /// The target is reached.
+    Target,
+    /// Interrupted from outside; what was found so far is kept.
+    Interrupted,
+}
+
+impl StopReason {
+    /// Its name in JSON.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Generations => "generations",
+            Self::Evaluations => "evaluations",
+            Self::WallTime => "wall_time",
+            Self::Stall => "stall",
+            Self::Target => "target",
+            Self::Interrupted => "interrupted",
+        }
+    }
+}
+
+/// Why no further generation may start, if so. Looked at between generations only, so a stop never cuts one short.
+pub(super) fn reason(tune: &TuneSpec, record: &Record, interrupt: &AtomicBool) -> Option<StopReason> {
+    let best = record.archive.best().map(|best| best.costs[0]);
+    let reached = |target: f64| best.is_some_and(|best| best <= target);
+    if interrupt.load(Ordering::Relaxed) {
+        Some(StopReason::Interrupted)
+    } else if tune.target.is_some_and(reached) {
+        Some(StopReason::Target)
+    } else if tune.stall.is_some_and(|limit| record.generations > 0 && record.stalled >= limit) {
+        Some(StopReason::Stall)
+    } else if tune.wall_time.is_some_and(|limit| record.seconds() >= limit) {
+        Some(StopReason::WallTime)
+    } else {
+        None
+    }
+}

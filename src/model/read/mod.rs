@@ -20,7 +20,6 @@ use super::{Problem, ProblemError, Span, definite};
 use node::Fields;
 
 pub(super) use locate::locate;
-pub use tune::ALGORITHM_NAMES;
 
 /// Bytes of a problem file.
 const MAX_BYTES: u64 = 4 * 1024 * 1024;

@@ -20,7 +20,6 @@ use super::{Problem, ProblemError, Span, definite};
 use node::Fields;
 
 pub(super) use locate::locate;
-pub use tune::ALGORITHM_NAMES;
 
 /// Bytes of a problem file.
 const MAX_BYTES: u64 = 4 * 1024 * 1024;
@@ -33,7 +32,7 @@ impl Problem {
     /// If the file cannot be read, is larger than 4 MB or not text, or [`Self::parse`] refuses it.
     pub fn open(path: &Path) -> Result<Self, ProblemError> {
         let source = path.display().to_string();
-        let fail = |cause| ProblemError { file: source.clone(), place: None, cause };
+        let fail = |cause| ProblemError::whole(&source, cause);
         let unreadable = |e: std::io::Error| fail(Cause::Unreadable { message: e.to_string() });
         let mut bytes = Vec::new();
         let file = File::open(path).map_err(unreadable)?;
@@ -77,7 +76,7 @@ impl Problem {
     pub fn parse(text: &str, source: &str) -> Result<Self, ProblemError> {
         if text.len() as u64 > MAX_BYTES {
             let cause = Cause::FileTooLarge { bytes: text.len() as u64, limit: MAX_BYTES };
-            return Err(ProblemError { file: source.to_owned(), place: None, cause });
+            return Err(ProblemError::whole(source, cause));
         }
         read(text, source).map_err(|fault| fault.locate(source, text))
     }
@@ -103,6 +102,7 @@ fn read(text: &str, source: &str) -> Result<Problem, Fault> {
     let filter = tune::filter(&document)?;
     let problem =
         Problem { source: source.to_owned(), text: text.to_owned(), data, model, parameters, filter, tune, simulate };
-    definite::check(&problem).map_err(|(key, cause)| Fault::new(locate(text, &["model", key]), cause))?;
+    let factored: Vec<&str> = draft.factors.iter().map(|f| f.matrix).collect();
+    definite::check(&problem, &factored).map_err(|(key, cause)| Fault::new(locate(text, &["model", key]), cause))?;
     Ok(problem)
 }

@@ -82,7 +82,7 @@ fn tracks_are_constant_velocity_and_truth_finds_its_states() {
     assert_eq!(draft.data.measurements, ["zx", "zy", "zz"]);
     let (draft, ..) = shipped("uav_gps.csv");
     assert_eq!(draft.data.measurements, ["e", "n", "u"]);
-    assert!(draft.text.contains("not \"speed\", \"heading\", \"vx\", \"vy\"."), "{}", draft.text);
+    assert!(draft.text.contains("not taken: \"speed\", \"heading\", \"vx\", \"vy\"."), "{}", draft.text);
     let (draft, ..) = shipped("robot.csv");
     assert_eq!(draft.data.measurements, ["z0", "z1"]);
     assert!(draft.text.contains("Looks like truth, but of no state of this model: \"x0_true\""), "{}", draft.text);

@@ -69,6 +69,9 @@ fn constant_velocity_is_not_called_consistent_on_the_uav() {
     assert!(in_band, "mean NIS {} alone looks consistent", found.nis_mean);
     assert_eq!(found.verdict, Verdict::InnovationsCorrelated, "{found}");
     assert!(found.findings.iter().any(|f| f.verdict == Verdict::ParameterAtBound), "r is at its bound: {found}");
+    let json = serde_json::to_value(&found).expect("plain data");
+    assert_eq!(json["verdict"], "innovations_correlated", "the word that programs read");
+    assert!(["nis_mean", "nis_low", "nis_high"].iter().all(|key| json[key].is_number()), "{json}");
     let lag_1 = found.whiteness.iter().map(|w| w.lag_1()).fold(f64::MIN, f64::max);
     assert!((lag_1 - 0.74).abs() < 0.05, "lag-1 autocorrelation {lag_1}");
 }

@@ -87,3 +87,22 @@ fn a_wrong_start_is_told_from_wrong_noise() {
     let worse = consistency(&problem, &log, &[0.5]);
     assert!(worse.findings[0].advice.contains("P0, Q or R is too small"), "{worse}");
 }
+
+/// Durbin and Koopman's conclusion on the Nile: the local level model fits.
+#[test]
+fn the_nile_is_consistent_at_its_optimum() {
+    let (problem, log) = example("nile.toml");
+    let found = consistency(&problem, &log, &[15_099.687, 1_468.501]);
+    assert_eq!(found.verdict, Verdict::Consistent, "{found}");
+}
+
+#[test]
+fn a_log_without_measurements_is_not_called_consistent() {
+    let (problem, mut log) = example("nile.toml");
+    log.trajectories[0].time.truncate(1);
+    let mut empty = kfgpu::data::Table::new(1);
+    empty.push(&[f64::NAN]);
+    log.trajectories[0].z = empty;
+    let found = consistency(&problem, &log, &problem.parameters.baseline());
+    assert_eq!(found.verdict, Verdict::NothingMeasured, "{found}");
+}

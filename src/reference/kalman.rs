@@ -30,7 +30,7 @@ pub struct Update {
     pub k: DMatrix<f64>,
     /// nu' S^-1 nu.
     pub nis: f64,
-    /// (p ln 2 pi + ln det S + NIS) / 2 [nats].
+    /// (p ln 2 pi + ln det S + NIS) / 2 \[nats\].
     pub nll: f64,
 }
 

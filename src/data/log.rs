@@ -68,6 +68,11 @@ impl Table {
     pub fn row(&self, k: usize) -> &[f64] {
         &self.values[k * self.columns..(k + 1) * self.columns]
     }
+
+    /// Column `i` from the first row to the last.
+    pub fn column(&self, i: usize) -> impl Iterator<Item = f64> {
+        self.values.chunks_exact(self.columns.max(1)).filter_map(move |row| row.get(i).copied())
+    }
 }
 
 impl Trajectory {
@@ -93,6 +98,15 @@ impl Trajectory {
     #[must_use]
     pub fn is_complete(&self, k: usize) -> bool {
         self.z.row(k).iter().all(|z| !z.is_nan())
+    }
+
+    /// Gives back memory kept for rows that never came.
+    pub(super) fn shrink(&mut self) {
+        self.time.shrink_to_fit();
+        self.line.shrink_to_fit();
+        for table in [&mut self.z, &mut self.u, &mut self.truth] {
+            table.values.shrink_to_fit();
+        }
     }
 }
 

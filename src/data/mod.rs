@@ -1,5 +1,20 @@
 //! Logs: rows of (trajectory, time, measurements, inputs, truth).
 
+mod clock;
+mod columns;
+mod error;
+mod lines;
 mod log;
+mod read;
+mod rows;
+mod summary;
+#[cfg(test)]
+mod tests;
+mod write;
 
+pub use error::{LogError, Place};
 pub use log::{Log, Table, Trajectory};
+pub use summary::{ColumnSummary, Intervals, Summary};
+
+pub(crate) use clock::Clock;
+pub(crate) use rows::Rows;

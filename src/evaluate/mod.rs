@@ -1,5 +1,9 @@
 //! Evaluators: a whole population in, a cost matrix and a status each out.
 
+mod block;
+mod cpu;
+
+pub use cpu::{BuildError, CpuEvaluator, CpuOptions};
 pub mod mock;
 
 use std::fmt;

@@ -1,1 +1,19 @@
-//! (in progress)
+//! Filters, traced: the recursion of a filter over a log becomes a [`Program`] of tapes.
+
+mod carry;
+mod columns;
+mod formula;
+mod kalman;
+mod nominal;
+mod program;
+mod scoring;
+mod symmetric;
+mod trace;
+
+pub use carry::Entry;
+pub(crate) use columns::Place;
+pub use kalman::TraceError;
+pub use nominal::Nominal;
+pub use program::{Carried, Program, Role, Span};
+pub(crate) use scoring::{Pools, Scoring, Traced};
+pub use trace::trace;

@@ -57,6 +57,32 @@ pub enum Binary {
     Power,
 }
 
+impl Binary {
+    /// The operator as formulas write it.
+    #[must_use]
+    pub const fn symbol(self) -> char {
+        match self {
+            Self::Add => '+',
+            Self::Subtract => '-',
+            Self::Multiply => '*',
+            Self::Divide => '/',
+            Self::Power => '^',
+        }
+    }
+}
+
+impl Binary {
+    fn apply(self, a: f64, b: f64) -> f64 {
+        match self {
+            Self::Add => a + b,
+            Self::Subtract => a - b,
+            Self::Multiply => a * b,
+            Self::Divide => a / b,
+            Self::Power => a.powf(b),
+        }
+    }
+}
+
 /// Functions a formula may call.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[expect(missing_docs, reason = "the names are the functions")]
@@ -98,6 +124,23 @@ impl Function {
             _ => 1,
         }
     }
+
+    /// The value at `a`, and for functions of two arguments `b()`.
+    fn apply(self, a: f64, b: impl Fn() -> f64) -> f64 {
+        match self {
+            Self::Sqrt => a.sqrt(),
+            Self::Exp => a.exp(),
+            Self::Ln => a.ln(),
+            Self::Sin => a.sin(),
+            Self::Cos => a.cos(),
+            Self::Tan => a.tan(),
+            Self::Atan => a.atan(),
+            Self::Atan2 => a.atan2(b()),
+            Self::Abs => a.abs(),
+            Self::Min => a.min(b()),
+            Self::Max => a.max(b()),
+        }
+    }
 }
 
 impl Expr {
@@ -117,6 +160,20 @@ impl Expr {
     #[must_use]
     pub fn binary(op: Binary, a: Self, b: Self) -> Self {
         Self { kind: ExprKind::Binary(op, Box::new(a), Box::new(b)), span: Span::default() }
+    }
+
+    /// Replaces the span of every node.
+    pub(super) fn map_spans(&mut self, map: &impl Fn(Span) -> Span) {
+        self.span = map(self.span);
+        match &mut self.kind {
+            ExprKind::Number(_) | ExprKind::Symbol(_) => {}
+            ExprKind::Negate(a) => a.map_spans(map),
+            ExprKind::Binary(_, a, b) => {
+                a.map_spans(map);
+                b.map_spans(map);
+            }
+            ExprKind::Call(_, arguments) => arguments.iter_mut().for_each(|a| a.map_spans(map)),
+        }
     }
 
     /// Calls `visit` on every symbol, in reading order.
@@ -139,6 +196,32 @@ impl Expr {
         let mut found = false;
         self.symbols(&mut |s| found |= wanted(s));
         found
+    }
+
+    /// The value in f64, with `value` giving every symbol's; NaN and infinities follow IEEE 754.
+    #[must_use]
+    pub fn evaluate(&self, value: &impl Fn(Symbol) -> f64) -> f64 {
+        match &self.kind {
+            ExprKind::Number(number) => *number,
+            ExprKind::Symbol(symbol) => value(*symbol),
+            ExprKind::Negate(a) => -a.evaluate(value),
+            ExprKind::Binary(op, a, b) => op.apply(a.evaluate(value), b.evaluate(value)),
+            ExprKind::Call(function, arguments) => {
+                let argument = |i: usize| arguments.get(i).map_or(f64::NAN, |a| a.evaluate(value));
+                function.apply(argument(0), || argument(1))
+            }
+        }
+    }
+
+    /// Whether both are the same formula, wherever they stand.
+    #[must_use]
+    pub fn same(&self, other: &Self) -> bool {
+        match (&self.kind, &other.kind) {
+            (ExprKind::Negate(a), ExprKind::Negate(b)) => a.same(b),
+            (ExprKind::Binary(p, a, b), ExprKind::Binary(q, c, d)) => p == q && a.same(c) && b.same(d),
+            (ExprKind::Call(p, a), ExprKind::Call(q, b)) => p == q && a.iter().zip(b).all(|(a, b)| a.same(b)),
+            (a, b) => a == b,
+        }
     }
 
     /// Whether it is literally the number 0.

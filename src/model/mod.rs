@@ -1,9 +1,22 @@
 //! Models: formulas, built-in motion models, parameters, and the problem that ties them to a log.
 
+mod definite;
+mod draft;
+mod error;
 mod expr;
+mod formula;
+mod library;
+mod linear;
 mod parameter;
 mod problem;
+mod read;
 
+pub use draft::{Draft, draft};
+pub use error::{Cause, Place, ProblemError};
 pub use expr::{Binary, Expr, ExprKind, Function, Span, Symbol};
 pub use parameter::{Parameter, Parameters, Scale, Search, Value};
 pub use problem::{DataSpec, FilterKind, First, Model, Problem, SimulateSpec, Start, TuneSpec};
+pub use read::ALGORITHM_NAMES;
+
+#[cfg(test)]
+mod tests;

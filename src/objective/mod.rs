@@ -1,5 +1,12 @@
 //! Objectives, all minimised. One list; the semantics of each stand in `docs/semantics.md`.
 
+mod innovation;
+mod likelihood;
+mod mismatch;
+mod truth;
+
+use crate::filter::{Pools, Scoring, Traced};
+
 /// What a filter run is scored by.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Objective {
@@ -32,6 +39,8 @@ pub enum Kind {
     Rmse,
     /// Sum over rows with truth of the Euclidean error of the named states, posterior.
     Distance,
+    /// nis_mean itself: for benchmarks and reports, not an objective (so not in [`Self::ALL`]).
+    NisMean,
 }
 
 impl Kind {
@@ -49,7 +58,7 @@ impl Kind {
     /// Its name.
     #[must_use]
     pub fn name(self) -> &'static str {
-        Self::ALL.iter().find(|(_, kind)| *kind == self).map_or("", |(name, _)| name)
+        Self::ALL.iter().find(|(_, kind)| *kind == self).map_or("nis_mean", |(name, _)| name)
     }
 
     /// Whether it needs the true states.
@@ -70,5 +79,34 @@ impl Objective {
     #[must_use]
     pub fn name(&self) -> &'static str {
         self.kind.name()
+    }
+}
+
+impl Objective {
+    /// Adds what the objective needs to a filter that is being traced.
+    pub(crate) fn trace(&self, scoring: &mut Scoring<'_>) -> Traced {
+        match self.kind {
+            Kind::Nll => likelihood::trace(self, scoring),
+            Kind::MseInnovation => innovation::trace_mse(self, scoring),
+            Kind::Mismatch => mismatch::trace(self, scoring),
+            Kind::Nis | Kind::NisMean => innovation::trace_nis(self, scoring),
+            Kind::Nees => truth::trace_nees(self, scoring),
+            Kind::Rmse => truth::trace_rmse(self, scoring),
+            Kind::Distance => truth::trace_distance(self, scoring),
+        }
+    }
+
+    /// The cost, from the sums of a run.
+    pub(crate) fn finish(&self, pools: &Pools<'_>) -> f64 {
+        match self.kind {
+            Kind::Nll => likelihood::finish(pools),
+            Kind::MseInnovation => innovation::finish_mse(pools),
+            Kind::Mismatch => mismatch::finish(pools),
+            Kind::Nis => innovation::finish_nis(pools),
+            Kind::NisMean => innovation::finish_nis_mean(pools),
+            Kind::Nees => truth::finish_nees(pools),
+            Kind::Rmse => truth::finish_rmse(pools),
+            Kind::Distance => truth::finish_distance(pools),
+        }
     }
 }

@@ -1,1 +1,21 @@
-//! (in progress)
+//! The f64 oracle: a textbook filter on dense matrices that reads the formula trees itself.
+//!
+//! It runs `kfgpu filter`, certifies winners and judges every faster path, so it shares no arithmetic with the tape:
+//! formulas are evaluated as they stand, F and H come from unit vectors, the update is joint with a Cholesky
+//! factor of S, and P takes the Joseph form. `docs/semantics.md` is its specification.
+
+mod evaluate;
+mod failure;
+mod kalman;
+mod matrices;
+mod run;
+mod score;
+mod steady;
+
+pub use evaluate::{Scope, evaluate};
+pub use failure::{Cause, Failure};
+pub use kalman::{Estimate, Update};
+pub use matrices::Matrices;
+pub use run::{Run, Step, costs, run};
+pub use score::score;
+pub use steady::{Steady, steady_gain};

@@ -1,1 +1,15 @@
-//! (in progress)
+//! One definition, many machines: a filter is traced once into a graph, and its schedule, the tape, runs everywhere.
+//!
+//! [`Graph`] holds expressions (hash-consed, simplified as they are built, differentiable); [`Tape`] is a straight line of
+//! operations with registers assigned by liveness; [`lanes`] runs it on the CPU over a block of candidates at once.
+
+mod differentiate;
+mod graph;
+pub mod lanes;
+mod print;
+mod schedule;
+mod simplify;
+
+pub use graph::{Binary, Calculator, Depends, Graph, Id, Leaf, Node, Unary};
+pub use print::{Counts, Names};
+pub use schedule::{Argument, Code, Operation, Output, Tape};

@@ -1,0 +1,94 @@
+//! Which column of the header plays which role of `[data]`.
+
+use super::{LogError, Rows};
+use crate::model::DataSpec;
+
+/// Positions in the header of the columns that `[data]` names.
+pub(super) struct Columns {
+    pub(super) time: Option<usize>,
+    pub(super) trajectory: Option<usize>,
+    pub(super) measurements: Vec<usize>,
+    pub(super) inputs: Vec<usize>,
+    pub(super) truth: Vec<usize>,
+}
+
+/// A role and the column it is given to.
+struct Use<'a> {
+    role: String,
+    column: &'a str,
+}
+
+impl Columns {
+    pub(super) fn of(spec: &DataSpec, rows: &Rows<'_>) -> Result<Self, LogError> {
+        refuse_double_use(spec)?;
+        let find = |role: &str, column: &str| find(rows, role, column);
+        let all = |role: &str, names: &[String]| names.iter().map(|name| find(role, name)).collect::<Result<_, _>>();
+        Ok(Self {
+            time: spec.time.as_deref().map(|name| find("time", name)).transpose()?,
+            trajectory: spec.trajectory.as_deref().map(|name| find("trajectory", name)).transpose()?,
+            measurements: all("a measurement", &spec.measurements)?,
+            inputs: all("an input", &spec.inputs)?,
+            truth: spec
+                .truth
+                .iter()
+                .map(|(state, column)| find(&truth_role(state), column))
+                .collect::<Result<_, _>>()?,
+        })
+    }
+}
+
+fn truth_role(state: &str) -> String {
+    format!("truth of state {state:?}")
+}
+
+fn refuse_double_use(spec: &DataSpec) -> Result<(), LogError> {
+    let named = |role: &str, column| Use { role: role.to_owned(), column };
+    let mut uses: Vec<Use<'_>> = Vec::new();
+    uses.extend(spec.time.as_deref().map(|c| named("time", c)));
+    uses.extend(spec.trajectory.as_deref().map(|c| named("trajectory", c)));
+    uses.extend(spec.measurements.iter().map(|c| named("a measurement", c)));
+    uses.extend(spec.inputs.iter().map(|c| named("an input", c)));
+    uses.extend(spec.truth.iter().map(|(state, c)| named(&truth_role(state), c)));
+    for (i, later) in uses.iter().enumerate() {
+        if let Some(earlier) = uses[..i].iter().find(|u| u.column == later.column) {
+            let (first, second) = (earlier.role.as_str().into(), later.role.as_str().into());
+            return Err(LogError::UsedTwice { column: later.column.into(), first, second });
+        }
+    }
+    Ok(())
+}
+
+fn find(rows: &Rows<'_>, role: &str, column: &str) -> Result<usize, LogError> {
+    let position = rows.names().iter().position(|name| name == column && !name.is_empty());
+    position.ok_or_else(|| {
+        let place = rows.header_place();
+        if rows.header_is_numbers() {
+            return LogError::NoHeader { place };
+        }
+        let nearest = nearest(column, rows.names()).map(|name| format!(" (did you mean {name:?}?)"));
+        LogError::NoColumn {
+            place,
+            column: column.into(),
+            role: role.into(),
+            nearest: nearest.unwrap_or_default().into(),
+            present: list(rows.names()).into(),
+        }
+    })
+}
+
+/// The name most like `wanted`, if any is like it at all.
+fn nearest<'a>(wanted: &str, names: &'a [String]) -> Option<&'a str> {
+    let wanted = wanted.to_lowercase();
+    let likeness = |name: &String| strsim::jaro_winkler(&wanted, &name.to_lowercase());
+    let best = names.iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b)))?;
+    (likeness(best) > 0.7).then_some(best)
+}
+
+/// The first names, quoted, and how many more there are.
+fn list(names: &[String]) -> String {
+    const SHOWN: usize = 20;
+    let shown: Vec<String> = names.iter().take(SHOWN).map(|name| format!("{name:?}")).collect();
+    let more = names.len().saturating_sub(SHOWN);
+    let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
+    shown.join(", ") + &rest
+}

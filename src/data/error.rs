@@ -1,0 +1,116 @@
+//! What can be wrong with a log, each as one sentence that starts with where.
+
+use std::{fmt, io};
+
+/// A place in a text file, printed `file:line:column`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Place {
+    /// The file as the user named it, or `<stdin>`.
+    pub file: Box<str>,
+    /// 1-based line; comment and blank lines count.
+    pub line: u64,
+    /// 1-based character in the line, where one is to blame.
+    pub column: Option<usize>,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}", self.file, self.line)?;
+        self.column.map_or(Ok(()), |column| write!(f, ":{column}"))
+    }
+}
+
+/// Why a log cannot be read.
+#[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "each variant is documented and its fields are the parts of its message")]
+#[non_exhaustive]
+pub enum LogError {
+    /// The problem names no log.
+    #[error("[data] names no file (add `file = \"LOG.csv\"`, or `file = \"-\"` for standard input)")]
+    Unnamed,
+    /// No such file.
+    #[error("{file}: no such file (a path in a problem file is relative to the folder of that file)")]
+    NotFound { file: Box<str> },
+    /// A folder instead of a file.
+    #[error("{file}: is a folder, expected a CSV file (name the file in it)")]
+    Directory { file: Box<str> },
+    /// The operating system refused.
+    #[error("{file}: cannot be read: {error}")]
+    Io {
+        file: Box<str>,
+        #[source]
+        error: io::Error,
+    },
+    /// Nothing but comments and blank lines.
+    #[error("{file}: is empty, expected a header line and rows of numbers")]
+    Empty { file: Box<str> },
+    /// No row follows the header.
+    #[error("{file}: has a header but no row")]
+    HeaderOnly { file: Box<str> },
+    /// The first line holds numbers where names should stand.
+    #[error("{place}: expected a header, found only numbers (add a first line that names the columns)")]
+    NoHeader { place: Place },
+    /// Not text at all.
+    #[error("{place}: {found} is not text (expected a CSV file in UTF-8)")]
+    Binary { place: Place, found: &'static str },
+    /// Text in another encoding.
+    #[error("{place}: is not UTF-8 (convert the file, for example with `iconv -f latin1 -t utf-8`)")]
+    NotUtf8 { place: Place },
+    /// A row has more or fewer cells than the header.
+    #[error("{place}: {found} values, expected {expected}, one for each column of the header{hint}")]
+    Ragged { place: Place, found: usize, expected: usize, hint: &'static str },
+    /// Text where a number belongs.
+    #[error("{place}: column {column:?}: expected a number, found {found:?} ({remedy})")]
+    NotNumber { place: Place, column: Box<str>, found: Box<str>, remedy: &'static str },
+    /// `inf`, or a number beyond the range of a double.
+    #[error("{place}: column {column:?}: expected a finite number, found {found:?} ({remedy})")]
+    Infinite { place: Place, column: Box<str>, found: Box<str>, remedy: &'static str },
+    /// Neither seconds nor ISO-8601.
+    #[error("{place}: column {column:?}: expected a time in seconds or ISO-8601, found {found:?}{reason}")]
+    NotTime { place: Place, column: Box<str>, found: Box<str>, reason: Box<str> },
+    /// Seconds and dates in one column.
+    #[error(
+        "{place}: column {column:?}: expected {expected} as in the first row, found {found:?} (use one kind of time)"
+    )]
+    MixedTimes { place: Place, column: Box<str>, found: Box<str>, expected: &'static str },
+    /// Time stands still or goes back.
+    #[error(
+        "{place}: time {time} does not come after {previous} of line {previous_line} \
+         (times must increase strictly within a trajectory)"
+    )]
+    NotIncreasing { place: Place, time: Box<str>, previous: Box<str>, previous_line: u64 },
+    /// A row without a time.
+    #[error("{place}: column {column:?}: the time is missing (every row needs one)")]
+    MissingTime { place: Place, column: Box<str> },
+    /// A row without a trajectory.
+    #[error("{place}: column {column:?}: the trajectory is missing (every row needs one)")]
+    MissingTrajectory { place: Place, column: Box<str> },
+    /// An input is missing although a row follows.
+    #[error("{place}: column {column:?}: the input is missing (only a trajectory's last row may leave it empty)")]
+    MissingInput { place: Place, column: Box<str> },
+    /// Two columns of one name.
+    #[error("{place}: column {column:?} is named twice in the header, as columns {first} and {second} (rename one)")]
+    DuplicateColumn { place: Place, column: Box<str>, first: usize, second: usize },
+    /// `[data]` asks for a column that is not there.
+    #[error("{place}: no column {column:?}, which [data] names as {role}{nearest}; the header has {present}")]
+    NoColumn { place: Place, column: Box<str>, role: Box<str>, nearest: Box<str>, present: Box<str> },
+    /// `[data]` uses one column for two things.
+    #[error("[data] uses column {column:?} twice, as {first} and as {second} (each column has one role)")]
+    UsedTwice { column: Box<str>, first: Box<str>, second: Box<str> },
+    /// A measurement column without a single value.
+    #[error("{file}: column {column:?}: all values are missing (leave it out of `measurements`)")]
+    AllMissing { file: Box<str>, column: Box<str> },
+    /// Nothing in the log could be a measurement (only [`crate::model::draft`]).
+    #[error("{file}: no column of changing numbers that could be a measurement")]
+    NothingToMeasure { file: Box<str> },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_stays_small_enough_to_return_by_value() {
+        assert!(size_of::<LogError>() <= 128, "{} bytes", size_of::<LogError>());
+    }
+}

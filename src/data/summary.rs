@@ -1,0 +1,144 @@
+//! What a log holds, at a glance: shown before any work starts.
+
+use std::fmt;
+
+use super::{Log, Trajectory};
+
+/// Rows, times and gaps of a log.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Summary {
+    /// Where the log came from.
+    pub source: String,
+    /// Total number of rows.
+    pub rows: usize,
+    /// Number of trajectories.
+    pub trajectories: usize,
+    /// First and last time of the log [s].
+    pub span: [f64; 2],
+    /// Intervals between rows; `None` when no trajectory has two rows.
+    pub dt: Option<Intervals>,
+    /// Gaps in each measurement, input and truth column, in that order.
+    pub columns: Vec<ColumnSummary>,
+}
+
+/// Intervals between rows [s].
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[expect(missing_docs, reason = "the names say it")]
+pub struct Intervals {
+    pub min: f64,
+    pub median: f64,
+    pub max: f64,
+    /// Whether all are equal, to one part in 1e9 of the first.
+    pub regular: bool,
+}
+
+/// Gaps in one column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ColumnSummary {
+    /// Column name; for truth the state's name.
+    pub name: String,
+    /// `measurement`, `input` or `truth`.
+    pub role: &'static str,
+    /// Number of rows without a value.
+    pub missing: usize,
+    /// [`Self::missing`] as a share of all rows, 0 to 1.
+    pub share: f64,
+}
+
+impl Summary {
+    /// Summarises a log.
+    #[must_use]
+    pub fn of(log: &Log) -> Self {
+        let times = || log.trajectories.iter().flat_map(|t| &t.time).copied();
+        let columns = [
+            gaps(log, "measurement", &log.measurements, |t, k| t.z.row(k)),
+            gaps(log, "input", &log.inputs, |t, k| t.u.row(k)),
+            gaps(log, "truth", &log.truth, |t, k| t.truth.row(k)),
+        ];
+        Self {
+            source: log.source.clone(),
+            rows: log.rows(),
+            trajectories: log.trajectories.len(),
+            span: [times().fold(f64::INFINITY, f64::min), times().fold(f64::NEG_INFINITY, f64::max)],
+            dt: Intervals::of(log),
+            columns: columns.concat(),
+        }
+    }
+}
+
+impl Intervals {
+    fn of(log: &Log) -> Option<Self> {
+        let mut all: Vec<f64> = log.trajectories.iter().flat_map(|t| t.time.windows(2).map(|w| w[1] - w[0])).collect();
+        if all.is_empty() {
+            return None;
+        }
+        let middle = (all.len() - 1) / 2;
+        let even = all.len().is_multiple_of(2);
+        let (below, &mut lower, above) = all.select_nth_unstable_by(middle, f64::total_cmp);
+        let next = above.iter().copied().fold(f64::INFINITY, f64::min);
+        Some(Self {
+            min: below.iter().copied().fold(lower, f64::min),
+            median: if even { 0.5 * (lower + next) } else { lower },
+            max: above.iter().copied().fold(lower, f64::max),
+            regular: log.regular_dt().is_some(),
+        })
+    }
+}
+
+fn gaps(log: &Log, role: &'static str, names: &[String], row: fn(&Trajectory, usize) -> &[f64]) -> Vec<ColumnSummary> {
+    let mut missing = vec![0; names.len()];
+    for t in &log.trajectories {
+        for k in 0..t.len() {
+            missing.iter_mut().zip(row(t, k)).for_each(|(count, value)| *count += usize::from(value.is_nan()));
+        }
+    }
+    let column = |(name, missing): (&String, usize)| ColumnSummary {
+        name: name.clone(),
+        role,
+        missing,
+        share: missing as f64 / log.rows().max(1) as f64,
+    };
+    names.iter().zip(missing).map(column).collect()
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let plural = |n: usize, one: &str, many: &str| format!("{n} {}", if n == 1 { one } else { many });
+        let rows = plural(self.rows, "row", "rows");
+        let trajectories = plural(self.trajectories, "trajectory", "trajectories");
+        let [first, last] = self.span.map(Short);
+        writeln!(f, "{}: {rows} in {trajectories}, time {first} to {last} s", self.source)?;
+        match self.dt {
+            None => writeln!(f, "  dt: none (single rows)")?,
+            Some(dt) if dt.regular => writeln!(f, "  dt: {} s, regular", Short(dt.median))?,
+            Some(dt) => {
+                let (min, median, max) = (Short(dt.min), Short(dt.median), Short(dt.max));
+                writeln!(f, "  dt: min {min}, median {median}, max {max} s, irregular")?;
+            }
+        }
+        let with_gaps: Vec<String> = self.columns.iter().filter(|c| c.missing > 0).map(ToString::to_string).collect();
+        if with_gaps.is_empty() {
+            let columns = plural(self.columns.len(), "column", "columns");
+            write!(f, "  missing: none in {columns}")
+        } else {
+            write!(f, "  missing: {}", with_gaps.join(", "))
+        }
+    }
+}
+
+impl fmt::Display for ColumnSummary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let role = if self.role == "measurement" { String::new() } else { format!("{} ", self.role) };
+        write!(f, "{role}{} {} ({:.1} %)", self.name, self.missing, 100.0 * self.share)
+    }
+}
+
+/// A number to six significant digits.
+struct Short(f64);
+
+impl fmt::Display for Short {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let rounded: f64 = format!("{:.5e}", self.0).parse().unwrap_or(self.0);
+        write!(f, "{rounded}")
+    }
+}

@@ -1,0 +1,243 @@
+//! One block of candidates through the whole log.
+
+use super::Status;
+use crate::filter::{Program, Role};
+use crate::tape::lanes::{Lane, Register, run};
+use multiversion::multiversion;
+
+/// A program whose numbers are rounded to the lane's precision, once.
+#[derive(Debug)]
+pub(super) struct Rounded<T> {
+    pub(super) program: Program,
+    record: Vec<T>,
+    constants: Vec<T>,
+}
+
+/// Totals and status of the candidates of a block.
+#[derive(Debug, Default)]
+pub(super) struct Totals {
+    /// Candidates x trajectories x [`Program::totals`].
+    pub(super) sums: Vec<f64>,
+    /// One a candidate.
+    pub(super) status: Vec<Status>,
+}
+
+impl<T: Lane> Rounded<T> {
+    pub(super) fn new(mut program: Program) -> Self {
+        let round = |values: &[f64]| values.iter().map(|v| T::from_f64(*v)).collect();
+        let (record, constants) = (round(&program.record), round(&program.constants));
+        program.record = Vec::new();
+        Self { program, record, constants }
+    }
+}
+
+/// Runs candidates (row-major, at most `B * C`, the rest of the lanes repeat the last) through every trajectory.
+#[inline(always)]
+fn run_block<T: Lane, const C: usize, const B: usize>(rounded: &Rounded<T>, candidates: &[f64]) -> Totals {
+    let program = &rounded.program;
+    let d = program.parameters.max(1);
+    let n = candidates.len() / d;
+    let width = program.totals();
+    let mut totals = Totals { sums: vec![0.0; n * program.spans.len() * width], status: vec![Status::OK; n] };
+    let mut registers = vec![[[T::ZERO; C]; B]; program.step.registers];
+    let mut prologue = vec![[[0.0; C]; B]; program.prologue.registers];
+    for (t, span) in program.spans.iter().enumerate() {
+        for lane in 0..B * C {
+            let candidate = &candidates[lane.min(n - 1) * d..][..d];
+            candidate.iter().enumerate().for_each(|(p, v)| prologue[p][lane / C][lane % C] = *v);
+        }
+        run(&program.prologue.operations, &mut prologue, &span.scalars);
+        start(program, &prologue, &mut registers);
+        let mut sums = vec![[[0.0; C]; B]; width];
+        run_rows(rounded, span.rows.clone(), &mut registers, &mut sums);
+        finish(program, &registers, &mut sums);
+        for lane in 0..n {
+            let at = (lane * program.spans.len() + t) * width;
+            sums.iter().zip(&mut totals.sums[at..at + width]).for_each(|(s, to)| *to = s[lane / C][lane % C]);
+            if check(program, &registers)[lane / C][lane % C] <= T::ZERO {
+                totals.status[lane] = totals.status[lane].union(Status::NOT_POSITIVE);
+            }
+        }
+    }
+    totals
+}
+
+/// States and invariants from the prologue, rounded once; sums at 0, products and the check at 1.
+#[inline(always)]
+fn start<T: Lane, const C: usize, const B: usize>(
+    program: &Program,
+    prologue: &[Register<f64, C, B>],
+    registers: &mut [Register<T, C, B>],
+) {
+    let mut results = prologue[program.parameters..].iter();
+    let mut result = || results.next().map(|r| r.map(|chunk| chunk.map(T::from_f64)));
+    for (i, carried) in program.carried.iter().enumerate() {
+        registers[i] = match carried.role {
+            Role::State => result().unwrap_or([[T::ZERO; C]; B]),
+            Role::Sum => [[T::ZERO; C]; B],
+            Role::Product | Role::Check => [[T::ONE; C]; B],
+        };
+    }
+    for register in &mut registers[program.carried.len()..][..program.invariants] {
+        *register = result().unwrap_or([[T::ZERO; C]; B]);
+    }
+}
+
+/// The time loop. Sums are moved to f64 every [`Program::BLOCK`] rows, exponents of products every few.
+#[inline(always)]
+fn run_rows<T: Lane, const C: usize, const B: usize>(
+    rounded: &Rounded<T>,
+    rows: std::ops::Range<usize>,
+    registers: &mut [Register<T, C, B>],
+    sums: &mut [Register<f64, C, B>],
+) {
+    let Rounded { program, record, constants } = rounded;
+    let columns = program.columns;
+    let mut scalars: Vec<T> = vec![T::ZERO; columns];
+    scalars.extend_from_slice(constants);
+    for (k, row) in rows.enumerate() {
+        scalars[..columns].copy_from_slice(&record[row * columns..(row + 1) * columns]);
+        run(&program.step.operations, registers, &scalars);
+        if (k + 1) % T::STEPS_PER_SPLIT == 0 {
+            split_products(program, registers, sums);
+        }
+        if (k + 1) % Program::BLOCK == 0 {
+            move_sums(program, registers, sums);
+        }
+    }
+}
+
+/// Slots with their register and role, in the order of [`Program::totals`].
+fn slots(program: &Program) -> impl Iterator<Item = (usize, Role)> + '_ {
+    let carried = program.carried.iter().enumerate();
+    carried.filter(|(_, c)| matches!(c.role, Role::Sum | Role::Product)).map(|(i, c)| (i, c.role))
+}
+
+/// Takes the exponents out of the running products: for these the total counts powers of two.
+#[inline(always)]
+fn split_products<T: Lane, const C: usize, const B: usize>(
+    program: &Program,
+    registers: &mut [Register<T, C, B>],
+    sums: &mut [Register<f64, C, B>],
+) {
+    for ((i, role), sum) in slots(program).zip(sums) {
+        if role != Role::Product {
+            continue;
+        }
+        for (chunk, sum) in registers[i].iter_mut().zip(sum) {
+            for (product, sum) in chunk.iter_mut().zip(sum) {
+                let (mantissa, exponent) = product.split();
+                *product = mantissa;
+                *sum += exponent.to_f64();
+            }
+        }
+    }
+}
+
+/// Moves running sums to their f64 totals.
+#[inline(always)]
+fn move_sums<T: Lane, const C: usize, const B: usize>(
+    program: &Program,
+    registers: &mut [Register<T, C, B>],
+    sums: &mut [Register<f64, C, B>],
+) {
+    for ((i, role), sum) in slots(program).zip(sums) {
+        if role != Role::Sum {
+            continue;
+        }
+        for (chunk, sum) in registers[i].iter_mut().zip(sum) {
+            for (part, sum) in chunk.iter_mut().zip(sum) {
+                *sum += part.to_f64();
+                *part = T::ZERO;
+            }
+        }
+    }
+}
+
+/// The last totals: what is left in the registers, and ln of the products.
+fn finish<T: Lane, const C: usize, const B: usize>(
+    program: &Program,
+    registers: &[Register<T, C, B>],
+    sums: &mut [Register<f64, C, B>],
+) {
+    for ((i, role), sum) in slots(program).zip(sums) {
+        for (rest, sum) in registers[i].as_flattened().iter().zip(sum.as_flattened_mut()) {
+            *sum = match role {
+                Role::Product => rest.to_f64().ln() + *sum * std::f64::consts::LN_2,
+                _ => *sum + rest.to_f64(),
+            };
+        }
+    }
+}
+
+/// The check register.
+fn check<'a, T: Lane, const C: usize, const B: usize>(
+    program: &Program,
+    registers: &'a [Register<T, C, B>],
+) -> &'a Register<T, C, B> {
+    let place = program.carried.iter().position(|c| c.role == Role::Check).unwrap_or(0);
+    &registers[place]
+}
+
+macro_rules! versions {
+    ($($(#[$doc:meta])* $name:ident: $float:ty, $chunk:literal x $chunks:literal;)*) => {$(
+        $(#[$doc])*
+        #[multiversion(targets("x86_64+avx512f+avx512dq+avx512vl+avx512bw", "x86_64+avx2"))]
+        fn $name(rounded: &Rounded<$float>, candidates: &[f64]) -> Totals {
+            run_block::<$float, $chunk, $chunks>(rounded, candidates)
+        }
+    )*};
+}
+
+versions! {
+    f64_64: f64, 8 x 8;
+    f64_16: f64, 8 x 2;
+    f64_8: f64, 8 x 1;
+    f32_128: f32, 16 x 8;
+    f32_16: f32, 16 x 1;
+}
+
+/// A lane type with its block sizes.
+pub(super) trait Blocks: Lane {
+    /// The widest block.
+    const WIDEST: usize;
+    /// Runs a block of at most [`Self::WIDEST`] candidates, in the narrowest that holds them.
+    fn run(rounded: &Rounded<Self>, candidates: &[f64]) -> Totals;
+}
+
+impl Blocks for f64 {
+    const WIDEST: usize = 64;
+
+    fn run(rounded: &Rounded<Self>, candidates: &[f64]) -> Totals {
+        match candidates.len() / rounded.program.parameters.max(1) {
+            0..=8 => f64_8(rounded, candidates),
+            9..=16 => f64_16(rounded, candidates),
+            _ => f64_64(rounded, candidates),
+        }
+    }
+}
+
+impl Blocks for f32 {
+    const WIDEST: usize = 128;
+
+    fn run(rounded: &Rounded<Self>, candidates: &[f64]) -> Totals {
+        match candidates.len() / rounded.program.parameters.max(1) {
+            0..=16 => f32_16(rounded, candidates),
+            _ => f32_128(rounded, candidates),
+        }
+    }
+}
+
+/// The instruction set the blocks run on.
+pub(super) fn instruction_set() -> &'static str {
+    #[cfg(target_arch = "x86_64")]
+    {
+        if std::is_x86_feature_detected!("avx512f") && std::is_x86_feature_detected!("avx512bw") {
+            return "avx512";
+        }
+        if std::is_x86_feature_detected!("avx2") {
+            return "avx2";
+        }
+    }
+    std::env::consts::ARCH
+}

@@ -1,0 +1,214 @@
+//! The CPU evaluator: the tape over blocks of candidates, blocks over threads.
+
+use super::block::{Blocks, Rounded, Totals, instruction_set};
+use super::{Device, Evaluation, Evaluator, Population, Precision, Status};
+use crate::data::Log;
+use crate::filter::{Entry, Nominal, Program, TraceError, trace};
+use crate::model::Problem;
+use crate::objective::Objective;
+use crate::tape::lanes::run_one;
+use rayon::prelude::*;
+use std::num::NonZero;
+
+/// How the CPU evaluator runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CpuOptions {
+    /// Number format of the filter; f32 runs in deviation from an f64 nominal.
+    pub precision: Precision,
+    /// Number of threads; `None` = one a core. It never changes a result.
+    pub threads: Option<NonZero<usize>>,
+}
+
+impl Default for CpuOptions {
+    fn default() -> Self {
+        Self { precision: Precision::F64, threads: None }
+    }
+}
+
+/// Why an evaluator cannot be built.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// The filter cannot be traced.
+    #[error(transparent)]
+    Trace(#[from] TraceError),
+    /// No threads.
+    #[error("cannot start {threads} threads: {reason} (use --threads 1)")]
+    Threads {
+        /// Number asked for.
+        threads: usize,
+        /// What the system says.
+        reason: String,
+    },
+}
+
+/// Scores populations on the CPU.
+#[derive(Debug)]
+pub struct CpuEvaluator {
+    machine: Machine,
+    threads: usize,
+    pool: Option<rayon::ThreadPool>,
+}
+
+#[derive(Debug)]
+enum Machine {
+    F32(Rounded<f32>),
+    F64(Rounded<f64>),
+}
+
+impl CpuEvaluator {
+    /// An evaluator of the problem's own objectives.
+    ///
+    /// # Errors
+    /// If the filter cannot be traced, or threads cannot be started.
+    pub fn new(problem: &Problem, log: &Log, options: CpuOptions) -> Result<Self, BuildError> {
+        Self::with_objectives(problem, log, &problem.tune.objectives, options)
+    }
+
+    /// An evaluator of other objectives.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_objectives(
+        problem: &Problem,
+        log: &Log,
+        objectives: &[Objective],
+        options: CpuOptions,
+    ) -> Result<Self, BuildError> {
+        let machine = match options.precision {
+            Precision::F64 => Machine::F64(Rounded::new(trace(problem, log, objectives, None)?)),
+            Precision::F32 => {
+                let nominal = nominal(problem, log)?;
+                Machine::F32(Rounded::new(trace(problem, log, objectives, Some(nominal))?))
+            }
+        };
+        let threads = options.threads.map_or_else(cores, NonZero::get);
+        Ok(Self { machine, threads, pool: None })
+    }
+
+    /// The program that runs.
+    #[must_use]
+    pub const fn program(&self) -> &Program {
+        match &self.machine {
+            Machine::F32(rounded) => &rounded.program,
+            Machine::F64(rounded) => &rounded.program,
+        }
+    }
+
+    /// Candidates of the widest block.
+    const fn widest(&self) -> usize {
+        match self.machine {
+            Machine::F32(_) => f32::WIDEST,
+            Machine::F64(_) => f64::WIDEST,
+        }
+    }
+
+    /// Candidates a task: whole blocks, so many that a task takes about a millisecond.
+    fn task(&self) -> usize {
+        /// Lane operations a core does in about a millisecond.
+        const OPERATIONS: usize = 4_000_000;
+        let program = self.program();
+        let rows: usize = program.spans.iter().map(|s| s.rows.len()).sum();
+        let block = rows * program.step.operations.len() * self.widest();
+        OPERATIONS.div_ceil(block.max(1)) * self.widest()
+    }
+
+    /// Costs and status of some candidates (row-major).
+    fn score(&self, candidates: &[f64]) -> (Vec<f64>, Vec<Status>) {
+        let program = self.program();
+        let (d, k) = (program.parameters.max(1), program.objectives());
+        let mut costs = vec![0.0; candidates.len() / d * k];
+        let mut status = Vec::with_capacity(candidates.len() / d);
+        let blocks = candidates.chunks(self.widest() * d).zip(costs.chunks_mut(self.widest() * k.max(1)));
+        for (block, costs) in blocks {
+            let totals: Totals = match &self.machine {
+                Machine::F32(rounded) => f32::run(rounded, block),
+                Machine::F64(rounded) => f64::run(rounded, block),
+            };
+            let width = program.spans.len() * program.totals();
+            for (i, costs) in costs.chunks_exact_mut(k.max(1)).enumerate() {
+                program.costs(&totals.sums[i * width..(i + 1) * width], costs);
+            }
+            status.extend(totals.status);
+        }
+        (costs, status)
+    }
+
+    /// Scores tasks on the evaluator's threads.
+    fn score_parallel(&mut self, values: &[f64], task: usize) -> Vec<(Vec<f64>, Vec<Status>)> {
+        let stride = task * self.program().parameters.max(1);
+        if self.pool.is_none() {
+            self.pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build().ok();
+        }
+        match &self.pool {
+            Some(pool) => pool.install(|| values.par_chunks(stride).map(|chunk| self.score(chunk)).collect()),
+            None => vec![self.score(values)],
+        }
+    }
+}
+
+impl Evaluator for CpuEvaluator {
+    fn objectives(&self) -> usize {
+        self.program().objectives()
+    }
+
+    fn evaluate(&mut self, population: &Population) -> Evaluation {
+        let values: Vec<f64> = population.rows().flatten().copied().collect();
+        let task = self.task();
+        let parts = if self.threads == 1 || population.len() <= task {
+            vec![self.score(&values)]
+        } else {
+            self.score_parallel(&values, task)
+        };
+        let objectives = self.objectives();
+        let (mut costs, mut status) = (Vec::with_capacity(population.len() * objectives), vec![]);
+        for (part, states) in parts {
+            costs.extend(part);
+            status.extend(states);
+        }
+        Evaluation::new(objectives, costs, status)
+    }
+
+    fn device(&self) -> Device {
+        let precision = match self.machine {
+            Machine::F32(_) => Precision::F32,
+            Machine::F64(_) => Precision::F64,
+        };
+        Device {
+            backend: "cpu".to_owned(),
+            adapter: format!("{}, {} threads", instruction_set(), self.threads),
+            precision: precision.to_string(),
+        }
+    }
+}
+
+/// Number of cores this process may use.
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, NonZero::get)
+}
+
+/// The nominal of the deviation form: the baseline's predicted states, by the f64 tape.
+fn nominal(problem: &Problem, log: &Log) -> Result<Nominal, TraceError> {
+    let program = trace(problem, log, &[], None)?;
+    let candidate = problem.parameters.baseline();
+    let n = problem.model.states.len();
+    let mut states = Vec::with_capacity(n * log.rows());
+    for span in &program.spans {
+        let mut registers = candidate.clone();
+        run_one(&program.prologue, &mut registers, &span.scalars);
+        let mut results = registers[program.parameters..].to_vec();
+        let invariants = results.split_off(program.carried.len() - 1);
+        // The check stands between the carried states and the invariants.
+        let mut registers: Vec<f64> = results.into_iter().chain([1.0]).chain(invariants).collect();
+        for row in span.rows.clone() {
+            states.extend(program.entries[..n].iter().map(|entry| match entry {
+                Entry::Constant(value) => *value,
+                Entry::Carried(i) => registers[*i],
+            }));
+            let record = &program.record[row * program.columns..(row + 1) * program.columns];
+            let scalars: Vec<f64> = record.iter().chain(&program.constants).copied().collect();
+            run_one(&program.step, &mut registers, &scalars);
+        }
+    }
+    Ok(Nominal::new(candidate, states, n))
+}

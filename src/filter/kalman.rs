@@ -1,0 +1,382 @@
+//! The linear Kalman filter, traced: Särkkä, *Bayesian Filtering and Smoothing* (2013), theorem 4.2, with the update taken
+//! one decorrelated scalar at a time (Bierman 1977, ch. V), so that nothing is ever inverted.
+#![expect(non_snake_case, reason = "Kalman notation: F, H, Q, R, P, S, K")]
+
+use super::columns::{Columns, Place, Rows};
+use super::formula::{self, Scope};
+use super::nominal::Nominal;
+use super::symmetric::Symmetric;
+use crate::model::{Expr, First, Problem, Start};
+use crate::tape::{Graph, Id, Leaf};
+
+/// Why a problem cannot be traced.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TraceError {
+    /// A Jacobian depends on the state.
+    #[error("{formula} `{name}` is not linear in the states: the kalman filter needs linear f and h")]
+    NotLinear {
+        /// `f` or `h`.
+        formula: &'static str,
+        /// The state or measurement it belongs to.
+        name: String,
+    },
+    /// f32 would lose the answer.
+    #[error(
+        "{formula} `{name}` mixes searched parameters with dt or inputs, which single precision cannot hold: use --precision f64"
+    )]
+    NeedsF64 {
+        /// `f` or `h`.
+        formula: &'static str,
+        /// The state or measurement it belongs to.
+        name: String,
+    },
+}
+
+/// One row's worth of the recursion, as nodes: x' = F x + drift + w, z = H x + v.
+///
+/// With a nominal (the deviation form) x is the deviation from it, and drift and z are corrected for it: exact algebra.
+pub(super) struct Recursion {
+    F: Vec<Vec<Id>>,
+    H: Vec<Vec<Id>>,
+    Q: Symmetric,
+    R: Symmetric,
+    drift: Vec<Id>,
+    z: Vec<Id>,
+    /// 1 where a component updates, 0 where it is missing.
+    pub(super) present: Vec<Id>,
+}
+
+/// What an update yields besides the posterior.
+pub(super) struct Update {
+    /// Joint innovation z - H x, m; meaningless where missing.
+    pub(super) nu: Vec<Id>,
+    /// Diagonal of the joint S = H P H' + R, m.
+    pub(super) S_diagonal: Vec<Id>,
+    /// Variances of the decorrelated innovations: their product is det S over the present components.
+    pub(super) pivots: Vec<Id>,
+    /// Their normalised squares: their sum is the NIS over the present components.
+    pub(super) nis: Vec<Id>,
+}
+
+/// A linear map with its offset: rows of the Jacobian, and the value at x = 0.
+struct Affine {
+    jacobian: Vec<Vec<Id>>,
+    offset: Vec<Id>,
+}
+
+/// Everything that tracing a filter needs.
+pub(super) struct Tracer<'a> {
+    pub(super) g: Graph,
+    pub(super) columns: &'a mut Columns,
+    pub(super) rows: &'a Rows<'a>,
+    pub(super) problem: &'a Problem,
+    pub(super) nominal: Option<&'a Nominal>,
+}
+
+impl Tracer<'_> {
+    /// The recursion over the rows of the log.
+    pub(super) fn recursion(&mut self) -> Result<Recursion, TraceError> {
+        let model = &self.problem.model;
+        let m = model.measurements.len();
+        let (inputs, dt) = self.inputs();
+        let z: Vec<Id> =
+            (0..m).map(|i| self.column(|place| zero_if_missing(place.trajectory.z.row(place.k)[i]))).collect();
+        let present = (0..m).map(|i| self.column(|place| f64::from(u8::from(place.present(i))))).collect();
+        let f = self.linear(&model.f, &inputs, dt, ("f", &model.states))?;
+        let h = self.linear(&model.h, &inputs, dt, ("h", &model.measurements))?;
+        let z = z.iter().zip(&h.offset).map(|(z, offset)| self.g.sub(*z, *offset)).collect();
+        let parameters = formula::parameters(&mut self.g, &self.problem.parameters, None);
+        let scope = Scope { states: &[], parameters: &parameters, inputs: &inputs, dt };
+        let (Q, R) = (self.covariance(&model.q, scope), self.covariance(&model.r, scope));
+        Ok(Recursion { F: f.jacobian, H: h.jacobian, Q, R, drift: f.offset, z, present })
+    }
+
+    /// H and h(0) of the baseline, for a start from a measurement.
+    pub(super) fn measurement_map(&mut self) -> Result<(Vec<Vec<Id>>, Vec<Id>), TraceError> {
+        let model = &self.problem.model;
+        let (inputs, dt) = self.inputs();
+        let baseline = self.problem.parameters.baseline();
+        let h = self.affine(&model.h, Some(&baseline), &inputs, dt, ("h", &model.measurements))?;
+        Ok((h.jacobian, h.offset))
+    }
+
+    /// Inputs and dt of every row. What follows the last row is never used: dt repeats there and inputs may be 0.
+    fn inputs(&mut self) -> (Vec<Id>, Id) {
+        let dt = self.column(|place| place.dt());
+        let inputs = (0..self.problem.model.inputs.len())
+            .map(|i| self.column(|place| zero_if_missing(place.trajectory.u.row(place.k)[i])))
+            .collect();
+        (inputs, dt)
+    }
+
+    /// The node of a value for every used row.
+    fn column(&mut self, value: impl Fn(Place<'_>) -> f64) -> Id {
+        self.columns.node(&mut self.g, self.rows.places().map(value).collect())
+    }
+
+    /// The recursion that steps from one interval before the first row to it.
+    fn first_step(&mut self, dt: f64) -> Result<Recursion, TraceError> {
+        let model = &self.problem.model;
+        let dt = self.g.constant(dt);
+        let f = self.affine(&model.f, None, &[], dt, ("f", &model.states))?;
+        let parameters = formula::parameters(&mut self.g, &self.problem.parameters, None);
+        let scope = Scope { states: &[], parameters: &parameters, inputs: &[], dt };
+        let Q = self.covariance(&model.q, scope);
+        let R = Symmetric::from_fn(0, |_, _| dt);
+        Ok(Recursion { F: f.jacobian, H: vec![], Q, R, drift: f.offset, z: vec![], present: vec![] })
+    }
+
+    /// x0 and P0 at the first row, in deviation from the nominal if there is one.
+    pub(super) fn start(&mut self) -> Result<(Vec<Id>, Symmetric), TraceError> {
+        let model = &self.problem.model;
+        let n = model.states.len();
+        let parameters = formula::parameters(&mut self.g, &self.problem.parameters, None);
+        let dt = self.g.constant(f64::NAN);
+        let scope = Scope { states: &[], parameters: &parameters, inputs: &[], dt };
+        let mut x: Vec<Id> = match &model.x0 {
+            Start::Values(values) => values.iter().map(|v| formula::trace(&mut self.g, v, scope)).collect(),
+            Start::Measurement => (0..n).map(|i| self.g.leaf(Leaf::Start(narrow(i)))).collect(),
+        };
+        let mut P = self.covariance(&model.p0, scope);
+        if let First::Predict { dt } = model.first {
+            let dt = dt.or_else(|| self.rows.log.regular_dt()).unwrap_or(1.0);
+            let step = self.first_step(dt)?;
+            (x, P) = step.predict(&mut self.g, &x, &P);
+        }
+        if self.nominal.is_some() {
+            for (i, x) in x.iter_mut().enumerate() {
+                let nominal = self.g.leaf(Leaf::Start(narrow(n + i)));
+                *x = self.g.sub(*x, nominal);
+            }
+        }
+        Ok((x, P))
+    }
+
+    fn covariance(&mut self, entries: &[Expr], scope: Scope<'_>) -> Symmetric {
+        let n = entries.len().isqrt();
+        Symmetric::from_fn(n, |i, j| formula::trace(&mut self.g, &entries[i * n + j], scope))
+    }
+
+    /// f or h around the nominal: its Jacobian, and what is to be added to (f) or taken from z (h).
+    fn linear(
+        &mut self,
+        formulas: &[Expr],
+        inputs: &[Id],
+        dt: Id,
+        what: (&'static str, &[String]),
+    ) -> Result<Affine, TraceError> {
+        let theta = self.affine(formulas, None, inputs, dt, what)?;
+        let Some(nominal) = self.nominal else { return Ok(theta) };
+        let at = self.affine(formulas, Some(&nominal.candidate), inputs, dt, what)?;
+        let n = self.problem.model.states.len();
+        let x: Vec<Id> = (0..n).map(|i| self.columns.node(&mut self.g, nominal.at(i))).collect();
+        let mut offset = Vec::with_capacity(formulas.len());
+        for i in 0..formulas.len() {
+            // f_theta0(x_nom) is the same for every candidate and is taken in f64, once; what theta changes is added:
+            // [F_theta - F_theta0] x_nom + c_theta - c_theta0, which vanishes where theta does not stand in the formula.
+            let fixed = self.g.dot(at.jacobian[i].iter().copied().zip(x.iter().copied()));
+            let mut value = self.g.add(fixed, at.offset[i]);
+            if what.0 == "f" {
+                let next = self.columns.node(&mut self.g, nominal.next(i, self.rows));
+                value = self.g.sub(value, next);
+            }
+            for j in 0..n {
+                let change = self.g.sub(theta.jacobian[i][j], at.jacobian[i][j]);
+                self.require_invariant(change, what, i)?;
+                let moved = self.g.mul(change, x[j]);
+                value = self.g.add(value, moved);
+            }
+            let change = self.g.sub(theta.offset[i], at.offset[i]);
+            self.require_invariant(change, what, i)?;
+            offset.push(self.g.add(value, change));
+        }
+        Ok(Affine { jacobian: theta.jacobian, offset })
+    }
+
+    fn require_invariant(&self, change: Id, what: (&'static str, &[String]), i: usize) -> Result<(), TraceError> {
+        if self.g.depends(change).is_invariant() {
+            return Ok(());
+        }
+        Err(TraceError::NeedsF64 { formula: what.0, name: what.1[i].clone() })
+    }
+
+    /// Jacobian (derived, never typed) and offset of affine formulas, for the searched parameters or for a candidate.
+    fn affine(
+        &mut self,
+        formulas: &[Expr],
+        candidate: Option<&[f64]>,
+        inputs: &[Id],
+        dt: Id,
+        what: (&'static str, &[String]),
+    ) -> Result<Affine, TraceError> {
+        let n = self.problem.model.states.len();
+        let parameters = formula::parameters(&mut self.g, &self.problem.parameters, candidate);
+        let variables: Vec<Id> = (0..n).map(|j| self.g.leaf(Leaf::Variable(narrow(j)))).collect();
+        let zeros = vec![self.g.constant(0.0); n];
+        let mut affine = Affine { jacobian: vec![], offset: vec![] };
+        for (i, f) in formulas.iter().enumerate() {
+            let value =
+                formula::trace(&mut self.g, f, Scope { states: &variables, parameters: &parameters, inputs, dt });
+            let row: Vec<Id> = (0..n).map(|j| self.g.differentiate(value, Leaf::Variable(narrow(j)))).collect();
+            if row.iter().any(|d| self.g.depends(*d).has_variable()) {
+                return Err(TraceError::NotLinear { formula: what.0, name: what.1[i].clone() });
+            }
+            affine.jacobian.push(row);
+            let scope = Scope { states: &zeros, parameters: &parameters, inputs, dt };
+            affine.offset.push(formula::trace(&mut self.g, f, scope));
+        }
+        Ok(affine)
+    }
+}
+
+impl Recursion {
+    /// x <- F x + drift, P <- F P F' + Q.
+    pub(super) fn predict(&self, g: &mut Graph, x: &[Id], P: &Symmetric) -> (Vec<Id>, Symmetric) {
+        let n = x.len();
+        let mut next = Vec::with_capacity(n);
+        for (row, drift) in self.F.iter().zip(&self.drift) {
+            let moved = g.dot(row.iter().copied().zip(x.iter().copied()));
+            next.push(g.add(moved, *drift));
+        }
+        let FP: Vec<Vec<Id>> =
+            (0..n).map(|i| (0..n).map(|j| g.dot((0..n).map(|k| (self.F[i][k], P.at(k, j))))).collect()).collect();
+        let P = Symmetric::from_fn(n, |i, j| {
+            let propagated = g.dot((0..n).map(|k| (self.F[j][k], FP[i][k])));
+            g.add(propagated, self.Q.at(i, j))
+        });
+        (next, P)
+    }
+
+    /// The measurement update. R = L D L' decorrelates the components (L unit, so the likelihood needs no Jacobian);
+    /// with a missing component its row of H, its innovation and its row of R are 0 and its variance is 1.
+    pub(super) fn update(&self, g: &mut Graph, x: &[Id], P: &Symmetric) -> (Update, Vec<Id>, Symmetric) {
+        let (n, m) = (x.len(), self.H.len());
+        let zero = g.constant(0.0);
+        let correlated = Symmetric::places(m).any(|(i, j)| i != j && !g.is(self.R.at(i, j), 0.0));
+        let nu: Vec<Id> = (0..m)
+            .map(|i| {
+                let predicted = g.dot(self.H[i].iter().copied().zip(x.iter().copied()));
+                g.sub(self.z[i], predicted)
+            })
+            .collect();
+        let S_diagonal = (0..m).map(|i| self.joint_variance(g, P, i)).collect();
+        let mut update = Update { nu, S_diagonal, pivots: vec![], nis: vec![] };
+        let (rows, D, gates) = if correlated { self.decorrelate(g, &update.nu) } else { self.diagonal(&update.nu) };
+        let (mut dx, mut P) = (vec![zero; n], P.clone());
+        for ((H, nu), (D, gate)) in rows.iter().zip(D.iter().zip(&gates)) {
+            let moved = g.dot(H.iter().copied().zip(dx.iter().copied()));
+            let innovation = g.sub(*nu, moved);
+            let scalar = Scalar { H, innovation, D: *D, gate: *gate };
+            let (pivot, nis) = scalar.apply(g, &mut dx, &mut P);
+            update.pivots.push(pivot);
+            update.nis.push(nis);
+        }
+        let x = x.iter().zip(&dx).map(|(x, dx)| g.add(*x, *dx)).collect();
+        (update, x, P)
+    }
+
+    /// S_ii = H_i P H_i' + R_ii.
+    fn joint_variance(&self, g: &mut Graph, P: &Symmetric, i: usize) -> Id {
+        let n = P.n();
+        let PH: Vec<Id> = (0..n).map(|a| g.dot((0..n).map(|b| (self.H[i][b], P.at(a, b))))).collect();
+        let variance = g.dot(self.H[i].iter().copied().zip(PH));
+        g.add(variance, self.R.at(i, i))
+    }
+
+    /// Uncorrelated components as they are: (H, nu), D = R, gated by their presence.
+    fn diagonal(&self, nu: &[Id]) -> (Decorrelated, Vec<Id>, Vec<Id>) {
+        let rows = self.H.iter().cloned().zip(nu.iter().copied()).collect();
+        (rows, (0..nu.len()).map(|i| self.R.at(i, i)).collect(), self.present.clone())
+    }
+
+    /// L^-1 H, L^-1 nu and D of R = L D L', missing components masked out.
+    fn decorrelate(&self, g: &mut Graph, nu: &[Id]) -> (Decorrelated, Vec<Id>, Vec<Id>) {
+        let (m, one) = (nu.len(), g.constant(1.0));
+        let masked = Symmetric::from_fn(m, |i, j| {
+            let both = g.mul(self.present[i], self.present[j]);
+            let entry = g.mul(both, self.R.at(i, j));
+            if i != j {
+                return entry;
+            }
+            let absent = g.sub(one, self.present[i]);
+            g.add(entry, absent)
+        });
+        let (L, D) = masked.ldl(g);
+        let mut rows: Decorrelated = Vec::with_capacity(m);
+        for i in 0..m {
+            let mut H: Vec<Id> = self.H[i].iter().map(|h| g.mul(self.present[i], *h)).collect();
+            let mut e = g.mul(self.present[i], nu[i]);
+            for j in 0..i {
+                for k in 0..H.len() {
+                    let part = g.mul(L[i][j], rows[j].0[k]);
+                    H[k] = g.sub(H[k], part);
+                }
+                let part = g.mul(L[i][j], rows[j].1);
+                e = g.sub(e, part);
+            }
+            rows.push((H, e));
+        }
+        (rows, D, vec![one; m])
+    }
+}
+
+/// Rows of (H, innovation).
+type Decorrelated = Vec<(Vec<Id>, Id)>;
+
+/// One scalar measurement.
+struct Scalar<'a> {
+    H: &'a [Id],
+    innovation: Id,
+    D: Id,
+    gate: Id,
+}
+
+impl Scalar<'_> {
+    /// Updates dx and P; returns the innovation variance and the normalised squared innovation (0 when gated off).
+    fn apply(&self, g: &mut Graph, dx: &mut [Id], P: &mut Symmetric) -> (Id, Id) {
+        let n = dx.len();
+        let PH: Vec<Id> = (0..n).map(|a| g.dot((0..n).map(|b| (self.H[b], P.at(a, b))))).collect();
+        let variance = g.dot(self.H.iter().copied().zip(PH.iter().copied()));
+        let S = g.add(variance, self.D);
+        let inverse = g.div(self.gate, S);
+        let K: Vec<Id> = PH.iter().map(|ph| g.mul(*ph, inverse)).collect();
+        for (dx, K) in dx.iter_mut().zip(&K) {
+            let moved = g.mul(*K, self.innovation);
+            *dx = g.add(*dx, moved);
+        }
+        let seen = self.only_state(g);
+        let shrink = seen.map(|_| {
+            let one = g.constant(1.0);
+            let ratio = g.mul(self.D, inverse);
+            g.select(self.gate, ratio, one)
+        });
+        let prior = P.clone();
+        *P = Symmetric::from_fn(n, |i, j| match (seen, shrink) {
+            // Where H sees one state j alone, P_ij - K_i H_j P_jj = P_ij D / S: no cancellation under a diffuse prior.
+            (Some(s), Some(shrink)) if i == s || j == s => g.mul(prior.at(i, j), shrink),
+            _ => {
+                let part = g.mul(K[i], PH[j]);
+                g.sub(prior.at(i, j), part)
+            }
+        });
+        let square = g.mul(self.innovation, self.innovation);
+        (S, g.mul(square, inverse))
+    }
+
+    /// The only state with a non-zero entry of H.
+    fn only_state(&self, g: &Graph) -> Option<usize> {
+        let mut seen = (0..self.H.len()).filter(|i| !g.is(self.H[*i], 0.0));
+        let first = seen.next()?;
+        seen.next().is_none().then_some(first)
+    }
+}
+
+const fn zero_if_missing(value: f64) -> f64 {
+    if value.is_nan() { 0.0 } else { value }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "dimensions are bounded far below 2^32")]
+pub(super) const fn narrow(i: usize) -> u32 {
+    i as u32
+}

@@ -1,0 +1,146 @@
+//! A traced filter over a log, ready to run: the prologue, the step, and the record they read.
+
+use super::carry::Entry;
+use super::nominal::Nominal;
+use super::scoring::{Pools, Traced};
+use crate::objective::Objective;
+use crate::tape::{Names, Tape};
+use std::fmt::{self, Display, Formatter};
+use std::ops::Range;
+
+/// What becomes of a carried register.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// An entry of x or P: starts from the prologue, stays.
+    State,
+    /// A running sum: starts at 0, is moved to an f64 total every [`Program::BLOCK`] rows.
+    Sum,
+    /// A running product: starts at 1, its exponent is taken out every few rows; the total is its logarithm.
+    Product,
+    /// 1 as long as every innovation variance was positive, -1 after one was not.
+    Check,
+}
+
+/// A register carried from row to row.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Carried {
+    /// `x.d`, `P.d.v`, `sum0`, ...
+    pub name: String,
+    /// What becomes of it.
+    pub role: Role,
+}
+
+/// The rows of one trajectory, and the values its prologue reads.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Span {
+    /// Rows of the record.
+    pub rows: Range<usize>,
+    /// Scalars of [`Program::prologue`].
+    pub scalars: Vec<f64>,
+}
+
+/// A traced filter over a log.
+///
+/// For each trajectory the prologue turns a candidate into the carried states and the invariants (in f64, rounded once),
+/// and the step runs once a row. Carried registers come first, then invariants, then temporaries.
+#[derive(Debug, Clone)]
+pub struct Program {
+    /// Once a trajectory, in f64: searched parameters in registers 0.., results behind them: states, then invariants.
+    pub prologue: Tape,
+    /// Number of searched parameters.
+    pub parameters: usize,
+    /// Once a row.
+    pub step: Tape,
+    /// The carried registers, in order.
+    pub carried: Vec<Carried>,
+    /// Number of invariants.
+    pub invariants: usize,
+    /// Row-major f64 table of the scalars of [`Self::step`] that change from row to row.
+    pub record: Vec<f64>,
+    /// Number of columns of the record.
+    pub columns: usize,
+    /// The other scalars of the step: constants that follow the columns.
+    pub constants: Vec<f64>,
+    /// Trajectories.
+    pub spans: Vec<Span>,
+    /// The nominal, in the deviation form.
+    pub nominal: Option<Nominal>,
+    /// Entries of the predicted x, then of the upper triangle of the predicted P.
+    pub entries: Vec<Entry>,
+    pub(super) names: Vec<String>,
+    pub(super) parameter_names: Vec<String>,
+    pub(super) scorers: Vec<(Objective, Traced)>,
+}
+
+impl Program {
+    /// Rows after which sums are moved to their f64 totals.
+    pub const BLOCK: usize = 32;
+
+    /// Number of objectives.
+    #[must_use]
+    pub const fn objectives(&self) -> usize {
+        self.scorers.len()
+    }
+
+    /// Number of sums and products: a run yields that many totals a trajectory.
+    #[must_use]
+    pub fn totals(&self) -> usize {
+        self.carried.iter().filter(|c| matches!(c.role, Role::Sum | Role::Product)).count()
+    }
+
+    /// Costs of one candidate from its totals (trajectories x [`Self::totals`]).
+    pub fn costs(&self, totals: &[f64], costs: &mut [f64]) {
+        for ((objective, traced), cost) in self.scorers.iter().zip(costs) {
+            *cost = objective.finish(&Pools { sums: totals, width: self.totals(), traced });
+        }
+    }
+
+    /// Names of the step's scalars: `row.0`, ..., then the constants themselves.
+    #[must_use]
+    pub fn scalar_names(&self) -> Vec<String> {
+        let columns = self.names.iter().cloned();
+        columns.chain(self.constants.iter().map(|c| format!("{c}"))).collect()
+    }
+}
+
+impl Display for Program {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self { parameters, invariants, columns, .. } = self;
+        let rows: usize = self.spans.iter().map(|s| s.rows.len()).sum();
+        writeln!(
+            f,
+            "# {rows} rows, {columns} columns a row, {parameters} searched parameters, {} carried, {invariants} invariants",
+            self.carried.len()
+        )?;
+        writeln!(f, "# prologue, once a trajectory in f64: {}", self.prologue.counts())?;
+        let names: Vec<String> = self
+            .parameter_names
+            .iter()
+            .cloned()
+            .chain(
+                self.register_names()
+                    .into_iter()
+                    .filter(|n| !n.starts_with("sum") && !n.starts_with("product") && n != "check"),
+            )
+            .collect();
+        let names = Names { registers: &names, scalars: &[] };
+        for operation in &self.prologue.operations {
+            writeln!(f, "    {}", names.line(operation))?;
+        }
+        writeln!(f, "# step, once a row: {}; {} registers", self.step.counts(), self.step.registers)?;
+        let (registers, scalars) = (self.register_names(), self.scalar_names());
+        let names = Names { registers: &registers, scalars: &scalars };
+        for operation in &self.step.operations {
+            writeln!(f, "    {}", names.line(operation))?;
+        }
+        Ok(())
+    }
+}
+
+impl Program {
+    /// Names of the carried registers and the invariants.
+    fn register_names(&self) -> Vec<String> {
+        let invariants = (0..self.invariants).map(|i| format!("i{i}"));
+        self.carried.iter().map(|c| c.name.clone()).chain(invariants).collect()
+    }
+}

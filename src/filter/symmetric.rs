@@ -1,0 +1,108 @@
+//! Symmetric matrices of graph nodes: only the upper triangle exists, so symmetry cannot be lost.
+
+use crate::tape::{Graph, Id};
+
+/// A symmetric n x n matrix of nodes, upper triangle by rows.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Symmetric {
+    n: usize,
+    upper: Vec<Id>,
+}
+
+impl Symmetric {
+    /// From a function of (i, j) with i <= j.
+    pub(super) fn from_fn(n: usize, mut entry: impl FnMut(usize, usize) -> Id) -> Self {
+        let upper = Self::places(n).map(|(i, j)| entry(i, j)).collect();
+        Self { n, upper }
+    }
+
+    /// (i, j) of the upper triangle, in storage order.
+    pub(super) fn places(n: usize) -> impl Iterator<Item = (usize, usize)> {
+        (0..n).flat_map(move |i| (i..n).map(move |j| (i, j)))
+    }
+
+    /// Entry (i, j) = (j, i).
+    pub(super) fn at(&self, i: usize, j: usize) -> Id {
+        let (i, j) = if i <= j { (i, j) } else { (j, i) };
+        self.upper[i * self.n - i * (i + 1) / 2 + j]
+    }
+
+    /// The upper triangle, in storage order.
+    pub(super) fn upper(&self) -> &[Id] {
+        &self.upper
+    }
+
+    pub(super) const fn n(&self) -> usize {
+        self.n
+    }
+
+    /// Factors A = L D L', L unit lower triangular: (rows of L, D). Structural zeros stay zeros.
+    pub(super) fn ldl(&self, g: &mut Graph) -> (Vec<Vec<Id>>, Vec<Id>) {
+        let n = self.n;
+        let (zero, one) = (g.constant(0.0), g.constant(1.0));
+        let mut l = vec![vec![zero; n]; n];
+        let mut d = Vec::with_capacity(n);
+        for i in 0..n {
+            l[i][i] = one;
+            for j in 0..i {
+                // l_ij d_j = a_ij - sum_k l_ik l_jk d_k
+                let mut rest = self.at(i, j);
+                for k in 0..j {
+                    let scaled = g.mul(l[j][k], d[k]);
+                    let product = g.mul(l[i][k], scaled);
+                    rest = g.sub(rest, product);
+                }
+                l[i][j] = g.div(rest, d[j]);
+            }
+            let mut pivot = self.at(i, i);
+            for j in 0..i {
+                let scaled = g.mul(l[i][j], d[j]);
+                let product = g.mul(l[i][j], scaled);
+                pivot = g.sub(pivot, product);
+            }
+            d.push(pivot);
+        }
+        (l, d)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tape::Leaf;
+
+    #[test]
+    fn storage_order_is_the_upper_triangle() {
+        let mut g = Graph::default();
+        let s = Symmetric::from_fn(4, |i, j| g.constant((10 * i + j) as f64));
+        for (k, (i, j)) in Symmetric::places(4).enumerate() {
+            assert_eq!(s.at(i, j), s.upper()[k], "({i}, {j})");
+            assert_eq!(s.at(j, i), s.at(i, j), "symmetric");
+        }
+    }
+
+    #[test]
+    fn ldl_rebuilds_the_matrix() {
+        let mut g = Graph::default();
+        let values = [[4.0, 2.0, 0.6], [2.0, 3.0, 0.4], [0.6, 0.4, 2.0]];
+        let a = Symmetric::from_fn(3, |i, j| g.constant(values[i][j]));
+        let (l, d) = a.ldl(&mut g);
+        for i in 0..3 {
+            for j in 0..3 {
+                let value: f64 = (0..3)
+                    .map(|k| g.value(l[i][k]).unwrap() * g.value(d[k]).unwrap() * g.value(l[j][k]).unwrap())
+                    .sum();
+                assert!((value - values[i][j]).abs() < 1e-15, "({i}, {j}): {value}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_diagonal_matrix_costs_nothing() {
+        let mut g = Graph::default();
+        let zero = g.constant(0.0);
+        let r: Vec<Id> = (0..3).map(|i| g.leaf(Leaf::Parameter(i))).collect();
+        let a = Symmetric::from_fn(3, |i, j| if i == j { r[i] } else { zero });
+        assert_eq!(a.ldl(&mut g).1, r, "D is the diagonal itself");
+    }
+}

@@ -1,0 +1,247 @@
+//! From a problem and its log to a [`Program`].
+
+use super::carry::Partition;
+use super::columns::{Columns, Rows};
+use super::kalman::{TraceError, Tracer, narrow};
+use super::nominal::Nominal;
+use super::program::{Carried, Program, Role, Span};
+use super::scoring::{Scoring, Traced};
+use super::symmetric::Symmetric;
+use crate::data::Log;
+use crate::model::{Problem, Start};
+use crate::objective::Objective;
+use crate::tape::{Calculator, Graph, Id, Leaf, Output, Tape};
+use nalgebra::{DMatrix, DVector};
+
+/// Traces the filter of `problem` over `log` for some objectives.
+///
+/// With `nominal` the deviation form is traced, which single precision needs.
+///
+/// # Errors
+/// If f or h is not affine in the states, or the deviation form cannot express a searched parameter.
+pub fn trace(
+    problem: &Problem,
+    log: &Log,
+    objectives: &[Objective],
+    nominal: Option<Nominal>,
+) -> Result<Program, TraceError> {
+    let rows = Rows::new(problem, log);
+    let mut columns = Columns::default();
+    let mut partition = None;
+    loop {
+        let g = Graph::default();
+        let mut tracer = Tracer { g, columns: &mut columns, rows: &rows, problem, nominal: nominal.as_ref() };
+        let (x, p) = tracer.start()?;
+        let initial: Vec<Id> = x.iter().chain(p.upper()).copied().collect();
+        let current = partition.unwrap_or_else(|| Partition::by_initial(&tracer.g, &initial));
+        let step = Step::trace(&mut tracer, &current, objectives)?;
+        if let Some(refined) = current.refine(&tracer.g, &step.next) {
+            partition = Some(refined);
+            continue;
+        }
+        let mut program = step.assemble(&mut tracer, &current, &initial, objectives)?;
+        program.nominal = nominal;
+        return Ok(program);
+    }
+}
+
+/// One traced step, not yet scheduled.
+struct Step {
+    /// Entries of x and P after the step.
+    next: Vec<Id>,
+    sums: Vec<(Role, Id)>,
+    pivots: Vec<Id>,
+    traced: Vec<Traced>,
+}
+
+impl Step {
+    fn trace(tracer: &mut Tracer<'_>, partition: &Partition, objectives: &[Objective]) -> Result<Self, TraceError> {
+        let n = tracer.problem.model.states.len();
+        let recursion = tracer.recursion()?;
+        let entries = partition.nodes(&mut tracer.g);
+        let mut upper = entries[n..].iter().copied();
+        let zero = tracer.g.constant(0.0);
+        let p = Symmetric::from_fn(n, |_, _| upper.next().unwrap_or(zero));
+        let (update, x, p) = recursion.update(&mut tracer.g, &entries[..n], &p);
+        let mut sums = Vec::new();
+        let mut scoring = Scoring {
+            g: &mut tracer.g,
+            columns: tracer.columns,
+            rows: tracer.rows,
+            problem: tracer.problem,
+            nominal: tracer.nominal,
+            update: &update,
+            x: &x,
+            p: &p,
+            sums: &mut sums,
+        };
+        let traced = objectives.iter().map(|o| o.trace(&mut scoring)).collect();
+        let (x, p) = recursion.predict(&mut tracer.g, &x, &p);
+        let next = x.iter().chain(p.upper()).copied().collect();
+        Ok(Self { next, sums, pivots: update.pivots, traced })
+    }
+
+    /// Schedules the prologue and the step, and fills the record.
+    fn assemble(
+        self,
+        tracer: &mut Tracer<'_>,
+        partition: &Partition,
+        initial: &[Id],
+        objectives: &[Objective],
+    ) -> Result<Program, TraceError> {
+        let spans = tracer.rows.spans();
+        let starts: Vec<Vec<f64>> =
+            (0..spans.len()).map(|t| start_values(tracer, t, spans[t].start)).collect::<Result<_, _>>()?;
+        let representatives = partition.representatives();
+        let carried = self.carried(tracer.problem, &representatives);
+        let leaves: Vec<Id> = (0..carried.len()).map(|i| tracer.g.leaf(Leaf::Carried(narrow(i)))).collect();
+        let mut next: Vec<Id> = representatives.iter().map(|e| self.next[*e]).collect();
+        next.extend(self.advance(&mut tracer.g, &leaves[representatives.len()..]));
+        let g = &tracer.g;
+        let invariants = frontier(g, &next);
+        let inputs: Vec<Id> = leaves.iter().chain(&invariants).copied().collect();
+        let mut step = Tape::new(g, &inputs, &outputs(&next, 0));
+        step.scalars_first(|id| !g.depends(id).is_constant());
+        let columns = step.scalars.iter().filter(|id| !g.depends(**id).is_constant()).count();
+        let constants = step.scalars[columns..].iter().filter_map(|id| g.value(*id)).collect();
+        let record = record(tracer, &step.scalars[..columns]);
+        let names = step.scalars[..columns].iter().enumerate().map(|(c, _)| format!("row.{c}")).collect();
+        let (prologue, scalars) = prologue(tracer, &representatives, initial, &invariants, &starts);
+        let spans = spans.into_iter().zip(scalars).map(|(rows, scalars)| Span { rows, scalars }).collect();
+        Ok(Program {
+            prologue,
+            parameters: tracer.problem.parameters.dimension(),
+            step,
+            carried,
+            invariants: invariants.len(),
+            record,
+            columns,
+            constants,
+            spans,
+            nominal: None,
+            entries: partition.entries(),
+            names,
+            parameter_names: tracer.problem.parameters.names().iter().map(|n| (*n).to_owned()).collect(),
+            scorers: objectives.iter().cloned().zip(self.traced).collect(),
+        })
+    }
+
+    /// The carried registers: states, sums, and the check.
+    fn carried(&self, problem: &Problem, representatives: &[usize]) -> Vec<Carried> {
+        let states = &problem.model.states;
+        let x = states.iter().map(|s| format!("x.{s}"));
+        let p = Symmetric::places(states.len()).map(|(i, j)| format!("P.{}.{}", states[i], states[j]));
+        let names: Vec<String> = x.chain(p).collect();
+        let mut carried: Vec<Carried> =
+            representatives.iter().map(|e| Carried { name: names[*e].clone(), role: Role::State }).collect();
+        for (i, (role, _)) in self.sums.iter().enumerate() {
+            let name = if *role == Role::Product { format!("product{i}") } else { format!("sum{i}") };
+            carried.push(Carried { name, role: *role });
+        }
+        carried.push(Carried { name: "check".to_owned(), role: Role::Check });
+        carried
+    }
+
+    /// Next values of the sums and of the check.
+    fn advance(&self, g: &mut Graph, leaves: &[Id]) -> Vec<Id> {
+        let mut next: Vec<Id> = Vec::with_capacity(leaves.len());
+        for ((role, value), leaf) in self.sums.iter().zip(leaves) {
+            next.push(if *role == Role::Product { g.mul(*leaf, *value) } else { g.add(*leaf, *value) });
+        }
+        let failed = g.constant(-1.0);
+        let check = leaves.last().copied().unwrap_or(failed);
+        next.push(self.pivots.iter().fold(check, |check, pivot| g.select(*pivot, check, failed)));
+        next
+    }
+}
+
+/// Nodes that are the same in every row but not for every candidate, where they meet what changes from row to row.
+fn frontier(g: &Graph, roots: &[Id]) -> Vec<Id> {
+    let is_invariant = |id: Id| g.depends(id).is_invariant() && !g.depends(id).is_constant();
+    let varying = g.reachable(roots, |id| !is_invariant(id) && !g.depends(id).is_uniform());
+    let mut found: Vec<Id> = varying.iter().flat_map(|id| g.operands(g.node(*id)).into_iter().flatten()).collect();
+    found.extend_from_slice(roots);
+    found.retain(|id| is_invariant(*id));
+    found.sort_unstable();
+    found.dedup();
+    found
+}
+
+fn outputs(ids: &[Id], first: usize) -> Vec<Output> {
+    ids.iter().enumerate().map(|(i, id)| Output { id: *id, register: first + i }).collect()
+}
+
+/// The scalars of every row, row-major, in f64.
+fn record(tracer: &Tracer<'_>, scalars: &[Id]) -> Vec<f64> {
+    let rows = tracer.rows.spans().last().map_or(0, |s| s.end);
+    let mut calculator = Calculator::new(&tracer.g, scalars);
+    let mut record = Vec::with_capacity(rows * scalars.len());
+    for row in 0..rows {
+        record.extend(calculator.evaluate(|leaf| match leaf {
+            Leaf::Column(c) => tracer.columns.value(c, row),
+            _ => f64::NAN,
+        }));
+    }
+    record
+}
+
+/// The prologue, and the values of its scalars for each trajectory.
+fn prologue(
+    tracer: &mut Tracer<'_>,
+    representatives: &[usize],
+    initial: &[Id],
+    invariants: &[Id],
+    starts: &[Vec<f64>],
+) -> (Tape, Vec<Vec<f64>>) {
+    let d = tracer.problem.parameters.dimension();
+    let inputs: Vec<Id> = (0..d).map(|i| tracer.g.leaf(Leaf::Parameter(narrow(i)))).collect();
+    let results: Vec<Id> = representatives.iter().map(|e| initial[*e]).chain(invariants.iter().copied()).collect();
+    let tape = Tape::new(&tracer.g, &inputs, &outputs(&results, d));
+    let mut calculator = Calculator::new(&tracer.g, &tape.scalars);
+    let mut values = |start: &Vec<f64>| {
+        let leaf = |leaf| match leaf {
+            Leaf::Start(i) => start[i as usize],
+            _ => f64::NAN,
+        };
+        calculator.evaluate(leaf).collect()
+    };
+    let scalars = starts.iter().map(&mut values).collect();
+    (tape, scalars)
+}
+
+/// What [`Leaf::Start`] stands for in trajectory `t`: the n states taken from the first measurement (where x0 asks for it),
+/// then the n states of the nominal at the first row (where there is one).
+fn start_values(tracer: &mut Tracer<'_>, t: usize, row: usize) -> Result<Vec<f64>, TraceError> {
+    let n = tracer.problem.model.states.len();
+    let mut values = vec![f64::NAN; n];
+    if tracer.problem.model.x0 == Start::Measurement {
+        values = measured_start(tracer, t, row)?;
+    }
+    if let Some(nominal) = tracer.nominal {
+        values.extend(nominal.states[row * n..].iter().take(n));
+    }
+    Ok(values)
+}
+
+/// x = pinv(H) (z - h(0)) at the first used row; unmeasured directions are 0.
+fn measured_start(tracer: &mut Tracer<'_>, t: usize, row: usize) -> Result<Vec<f64>, TraceError> {
+    let (n, m) = (tracer.problem.model.states.len(), tracer.problem.model.measurements.len());
+    let (jacobian, offset) = tracer.measurement_map()?;
+    let ids: Vec<Id> = jacobian.into_iter().flatten().chain(offset).collect();
+    let mut calculator = Calculator::new(&tracer.g, &ids);
+    let values: Vec<f64> = calculator
+        .evaluate(|leaf| match leaf {
+            Leaf::Column(c) => tracer.columns.value(c, row),
+            _ => f64::NAN,
+        })
+        .collect();
+    let trajectory = &tracer.rows.log.trajectories[t];
+    let Some(z) = (tracer.rows.first[t] < trajectory.len()).then(|| trajectory.z.row(tracer.rows.first[t])) else {
+        return Ok(vec![f64::NAN; n]);
+    };
+    let h = DMatrix::from_row_slice(m, n, &values[..m * n]);
+    let residual = DVector::from_iterator(m, z.iter().zip(&values[m * n..]).map(|(z, offset)| z - offset));
+    // The singular values of a measurement matrix are far from the rounding error that this bound stands for.
+    let inverse = h.pseudo_inverse(1e-12).unwrap_or_else(|_| DMatrix::zeros(n, m));
+    Ok((inverse * residual).as_slice().to_vec())
+}

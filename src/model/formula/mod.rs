@@ -1,0 +1,31 @@
+//! The formula language: `+ - * / ^`, parentheses, the functions of [`Function::ALL`], `pi`, and names.
+//!
+//! ```text
+//! sum     = product { ("+" | "-") product }
+//! product = signed { ("*" | "/") signed }
+//! signed  = ("-" | "+") signed | power          so -a^2 = -(a^2)
+//! power   = atom [ "^" signed ]                 so a^b^c = a^(b^c) and a^-1 = a^(-1)
+//! atom    = number | name | function "(" sum { "," sum } ")" | "(" sum ")"
+//! ```
+//!
+//! Formulas are data: no side effects, bounded length, bounded depth.
+
+mod lexer;
+mod parser;
+mod scope;
+
+#[cfg(test)]
+mod tests;
+
+pub(crate) use parser::parse;
+pub(crate) use scope::{Names, Place as FormulaPlace, Scope, is_name};
+
+#[cfg(doc)]
+use super::Function;
+
+/// Characters of one formula.
+pub(super) const MAX_LENGTH: usize = 10_000;
+/// Depth of parentheses, calls, signs and powers.
+pub(super) const MAX_NESTING: usize = 100;
+/// Depth of the tree of one formula, which a chain such as `a + b + c + ...` reaches too. Every later stage may recurse.
+pub(super) const MAX_DEPTH: usize = 500;

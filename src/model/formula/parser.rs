@@ -1,0 +1,189 @@
+//! Tokens to tree, by recursive descent.
+
+use super::lexer::{Lexer, Token};
+use super::scope::{Scope, function};
+use super::{MAX_DEPTH, MAX_LENGTH, MAX_NESTING};
+use crate::model::error::{Cause, Fault};
+use crate::model::{Binary, Expr, ExprKind, Span};
+
+/// A subtree and its depth.
+struct Tree {
+    expr: Expr,
+    depth: usize,
+}
+
+struct Parser<'a> {
+    lexer: Lexer<'a>,
+    token: Token<'a>,
+    span: Span,
+    nesting: usize,
+    scope: Scope<'a>,
+}
+
+/// Parses one formula; spans are byte ranges of `text`.
+pub(crate) fn parse(text: &str, scope: Scope<'_>) -> Result<Expr, Fault> {
+    let length = text.chars().count();
+    if length > MAX_LENGTH {
+        let span = Span { start: 0, end: text.len() };
+        return Err(Fault::new(span, Cause::FormulaTooLong { length, limit: MAX_LENGTH }));
+    }
+    let mut parser = Parser { lexer: Lexer::new(text), token: Token::End, span: Span::default(), nesting: 0, scope };
+    parser.advance()?;
+    let tree = parser.sum()?;
+    match parser.token {
+        Token::End => Ok(tree.expr),
+        _ => Err(parser.unexpected("an operator")),
+    }
+}
+
+impl<'a> Parser<'a> {
+    /// Moves to the next token; returns the one left behind and its span.
+    fn advance(&mut self) -> Result<(Token<'a>, Span), Fault> {
+        let left = (self.token, self.span);
+        (self.token, self.span) = self.lexer.next()?;
+        Ok(left)
+    }
+
+    fn unexpected(&self, expected: &'static str) -> Fault {
+        let cause = match self.token {
+            Token::End => Cause::UnexpectedEnd { expected },
+            token => Cause::Syntax { found: token.describe(), expected },
+        };
+        Fault::new(self.span, cause)
+    }
+
+    /// Runs `inner` one level deeper.
+    fn nested(&mut self, inner: impl FnOnce(&mut Self) -> Result<Tree, Fault>) -> Result<Tree, Fault> {
+        if self.nesting == MAX_NESTING {
+            return Err(Fault::new(self.span, Cause::FormulaTooDeep { limit: MAX_NESTING }));
+        }
+        self.nesting += 1;
+        let tree = inner(self);
+        self.nesting -= 1;
+        tree
+    }
+
+    fn sum(&mut self) -> Result<Tree, Fault> {
+        let mut left = self.product()?;
+        while let Token::Operator(op @ (Binary::Add | Binary::Subtract)) = self.token {
+            let (_, at) = self.advance()?;
+            let right = self.product()?;
+            left = binary(op, at, left, right)?;
+        }
+        Ok(left)
+    }
+
+    fn product(&mut self) -> Result<Tree, Fault> {
+        let mut left = self.signed()?;
+        while let Token::Operator(op @ (Binary::Multiply | Binary::Divide)) = self.token {
+            let (_, at) = self.advance()?;
+            let right = self.signed()?;
+            left = binary(op, at, left, right)?;
+        }
+        Ok(left)
+    }
+
+    fn signed(&mut self) -> Result<Tree, Fault> {
+        match self.token {
+            Token::Operator(Binary::Subtract) => self.nested(|p| {
+                let (_, at) = p.advance()?;
+                let Tree { expr, depth } = p.signed()?;
+                let span = Span { start: at.start, end: expr.span.end };
+                Ok(Tree { expr: Expr { kind: ExprKind::Negate(Box::new(expr)), span }, depth: depth + 1 })
+            }),
+            Token::Operator(Binary::Add) => self.nested(|p| {
+                p.advance()?;
+                p.signed()
+            }),
+            _ => self.power(),
+        }
+    }
+
+    fn power(&mut self) -> Result<Tree, Fault> {
+        let base = self.atom()?;
+        let Token::Operator(Binary::Power) = self.token else { return Ok(base) };
+        let (_, at) = self.advance()?;
+        let exponent = self.nested(Self::signed)?;
+        binary(Binary::Power, at, base, exponent)
+    }
+
+    fn atom(&mut self) -> Result<Tree, Fault> {
+        match self.token {
+            Token::Number(value) => {
+                let (_, span) = self.advance()?;
+                Ok(leaf(ExprKind::Number(value), span))
+            }
+            Token::Name(name) => {
+                let (_, span) = self.advance()?;
+                match self.token {
+                    Token::Open => self.nested(|p| p.call(name, span)),
+                    _ => self.name(name, span),
+                }
+            }
+            Token::Open => self.nested(Self::parenthesis),
+            _ => Err(self.unexpected("a number, a name or `(`")),
+        }
+    }
+
+    fn name(&self, name: &str, span: Span) -> Result<Tree, Fault> {
+        let kind = match name {
+            "pi" => ExprKind::Number(std::f64::consts::PI),
+            _ => ExprKind::Symbol(self.scope.resolve(name, span)?),
+        };
+        Ok(leaf(kind, span))
+    }
+
+    /// `( sum )`; the tree's span takes the parentheses in.
+    fn parenthesis(&mut self) -> Result<Tree, Fault> {
+        let (_, open) = self.advance()?;
+        let mut tree = self.sum()?;
+        let close = self.close("`)` or an operator")?;
+        tree.expr.span = Span { start: open.start, end: close.end };
+        Ok(tree)
+    }
+
+    fn close(&mut self, expected: &'static str) -> Result<Span, Fault> {
+        match self.token {
+            Token::Close => Ok(self.advance()?.1),
+            _ => Err(self.unexpected(expected)),
+        }
+    }
+
+    fn call(&mut self, name: &str, at: Span) -> Result<Tree, Fault> {
+        let function = function(name, at)?;
+        self.advance()?;
+        let (mut arguments, mut depth) = (Vec::new(), 0);
+        while self.token != Token::Close {
+            if !arguments.is_empty() {
+                match self.token {
+                    Token::Comma => self.advance()?,
+                    _ => return Err(self.unexpected("`,`, `)` or an operator")),
+                };
+            }
+            let argument = self.sum()?;
+            depth = depth.max(argument.depth);
+            arguments.push(argument.expr);
+        }
+        let span = Span { start: at.start, end: self.close("`)`")?.end };
+        if arguments.len() != function.arity() {
+            let (name, expected, found) = (name.to_owned(), function.arity(), arguments.len());
+            return Err(Fault::new(span, Cause::ArgumentCount { name, expected, found }));
+        }
+        Ok(Tree { expr: Expr { kind: ExprKind::Call(function, arguments), span }, depth: depth + 1 })
+    }
+}
+
+const fn leaf(kind: ExprKind, span: Span) -> Tree {
+    Tree { expr: Expr { kind, span }, depth: 1 }
+}
+
+/// `left op right`, unless the tree grows too deep to recurse over: then an error at the operator.
+fn binary(op: Binary, at: Span, left: Tree, right: Tree) -> Result<Tree, Fault> {
+    let depth = left.depth.max(right.depth) + 1;
+    if depth > MAX_DEPTH {
+        return Err(Fault::new(at, Cause::FormulaChain { limit: MAX_DEPTH }));
+    }
+    let span = Span { start: left.expr.span.start, end: right.expr.span.end };
+    let kind = ExprKind::Binary(op, Box::new(left.expr), Box::new(right.expr));
+    Ok(Tree { expr: Expr { kind, span }, depth })
+}

@@ -1,0 +1,39 @@
+//! Whether a formula is affine in the states, by its form alone.
+
+use super::{Binary, Expr, ExprKind, Symbol};
+
+/// `Ok` if affine; otherwise the smallest sub-formula that is not.
+pub(super) fn check(formula: &Expr) -> Result<(), &Expr> {
+    uses_states(formula).map(|_| ())
+}
+
+/// Whether the states appear (affinely).
+fn uses_states(expr: &Expr) -> Result<bool, &Expr> {
+    match &expr.kind {
+        ExprKind::Number(_) => Ok(false),
+        ExprKind::Symbol(symbol) => Ok(matches!(symbol, Symbol::State(_))),
+        ExprKind::Negate(a) => uses_states(a),
+        ExprKind::Binary(op, a, b) => {
+            let (left, right) = (uses_states(a)?, uses_states(b)?);
+            let affine = match op {
+                Binary::Add | Binary::Subtract => true,
+                Binary::Multiply => !(left && right),
+                Binary::Divide => !right,
+                Binary::Power => !right && (!left || is_one(b)),
+            };
+            if affine { Ok(left || right) } else { Err(expr) }
+        }
+        ExprKind::Call(_, arguments) => {
+            for argument in arguments {
+                if uses_states(argument)? {
+                    return Err(expr);
+                }
+            }
+            Ok(false)
+        }
+    }
+}
+
+fn is_one(expr: &Expr) -> bool {
+    matches!(expr.kind, ExprKind::Number(v) if (v - 1.0).abs() == 0.0)
+}

@@ -1,0 +1,64 @@
+//! The `[data]` table.
+
+use super::node::{Fields, Node};
+use super::parameters::check_name;
+use crate::model::error::{Cause, Fault, nearest};
+use crate::model::{DataSpec, Span};
+
+const MAX_MEASUREMENTS: usize = 32;
+const MAX_INPUTS: usize = 64;
+const KEYS: [&str; 6] = ["file", "time", "measurements", "inputs", "truth", "trajectory"];
+
+/// Reads it; truth is checked against the states later, by [`check_truth`].
+pub(super) fn read(document: &Fields<'_>) -> Result<DataSpec, Fault> {
+    let node = document.need("data", "a table with `file` and `measurements`")?;
+    let fields = node.table("a table", &KEYS)?;
+    let file = fields.optional("file", Node::name)?;
+    if file.is_none() && document.get("simulate").is_none() {
+        fields.need("file", "the log's file name, relative to the problem file, or a [simulate] table")?;
+    }
+    let expected = "a list of column names";
+    let measurements = fields.need("measurements", expected)?;
+    let inputs = fields.get("inputs");
+    let spec = DataSpec {
+        file,
+        time: fields.optional("time", Node::name)?,
+        measurements: measurements.names(expected)?,
+        inputs: fields.optional("inputs", |n| n.names(expected))?.unwrap_or_default(),
+        truth: fields.optional("truth", read_truth)?.unwrap_or_default(),
+        trajectory: fields.optional("trajectory", Node::name)?,
+    };
+    limit(measurements.span, spec.measurements.len(), "measurements", MAX_MEASUREMENTS)?;
+    if let Some(inputs) = inputs {
+        limit(inputs.span, spec.inputs.len(), "inputs", MAX_INPUTS)?;
+        for (node, name) in inputs.list(expected)?.iter().zip(&spec.inputs) {
+            check_name(name, node.span)?;
+        }
+    }
+    Ok(spec)
+}
+
+/// `{ state = "column" }`, in file order.
+fn read_truth(node: &Node<'_>) -> Result<Vec<(String, String)>, Fault> {
+    let fields = node.table("a table of state = \"column\"", &[])?;
+    fields.entries.iter().map(|(state, _, column)| Ok(((*state).to_owned(), column.name()?))).collect()
+}
+
+/// Refuses truth of states that the model does not have.
+pub(super) fn check_truth(document: &Fields<'_>, states: &[String]) -> Result<(), Fault> {
+    let Some(data) = document.get("data") else { return Ok(()) };
+    let Some(truth) = data.table("a table", &KEYS)?.get("truth").cloned() else { return Ok(()) };
+    for (name, span, _) in &truth.table("a table", &[])?.entries {
+        if !states.iter().any(|s| s == name) {
+            let nearest = nearest(name, states.iter().map(String::as_str));
+            let (key, name, known) = (truth.key, super::node::shorten(name), states.to_vec());
+            return Err(Fault::new(*span, Cause::NoSuch { key, what: "the state", name, nearest, known }));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses absurd sizes.
+pub(super) fn limit(span: Span, count: usize, what: &'static str, limit: usize) -> Result<(), Fault> {
+    if count > limit { Err(Fault::new(span, Cause::TooMany { count, what, limit })) } else { Ok(()) }
+}

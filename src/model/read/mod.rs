@@ -1,0 +1,108 @@
+//! A problem file to a [`Problem`]: one file a table.
+
+mod covariance;
+mod data;
+mod locate;
+mod model;
+mod node;
+mod parameters;
+mod simulate;
+mod tune;
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use toml::de::DeTable;
+
+use super::error::{Cause, Fault};
+use super::{Problem, ProblemError, Span, definite};
+use node::Fields;
+
+pub(super) use locate::locate;
+pub use tune::ALGORITHM_NAMES;
+
+/// Bytes of a problem file.
+const MAX_BYTES: u64 = 4 * 1024 * 1024;
+const TABLES: [&str; 6] = ["data", "model", "parameters", "filter", "tune", "simulate"];
+
+impl Problem {
+    /// Reads a problem file.
+    ///
+    /// # Errors
+    /// If the file cannot be read, is larger than 4 MB or not text, or [`Self::parse`] refuses it.
+    pub fn open(path: &Path) -> Result<Self, ProblemError> {
+        let source = path.display().to_string();
+        let fail = |cause| ProblemError { file: source.clone(), place: None, cause };
+        let unreadable = |e: std::io::Error| fail(Cause::Unreadable { message: e.to_string() });
+        let mut bytes = Vec::new();
+        let file = File::open(path).map_err(unreadable)?;
+        file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+        if bytes.len() as u64 > MAX_BYTES {
+            let actual = std::fs::metadata(path).map_or(MAX_BYTES + 1, |m| m.len());
+            return Err(fail(Cause::FileTooLarge { bytes: actual, limit: MAX_BYTES }));
+        }
+        let text = String::from_utf8(bytes).map_err(|_| fail(Cause::NotText))?;
+        Self::parse(&text, &source)
+    }
+
+    /// Reads the text of a problem file; `source` is its name in messages.
+    ///
+    /// ```
+    /// let problem = kfgpu::model::Problem::parse(
+    ///     r#"
+    ///     [data]
+    ///     file = "nile.csv"
+    ///     measurements = ["volume"]
+    ///     [model]
+    ///     state = ["level"]
+    ///     f = ["level"]
+    ///     h = ["level"]
+    ///     Q = ["q"]
+    ///     R = ["r"]
+    ///     x0 = [0]
+    ///     P0 = [1e7]
+    ///     [parameters]
+    ///     q = { min = 1, max = 1e6, scale = "log" }
+    ///     r = { min = 1, max = 1e6, scale = "log" }
+    ///     "#,
+    ///     "nile.toml",
+    /// )?;
+    /// assert_eq!(problem.parameters.names(), ["q", "r"]);
+    /// # Ok::<(), kfgpu::model::ProblemError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// One sentence with line, column and caret for the first thing that is wrong.
+    pub fn parse(text: &str, source: &str) -> Result<Self, ProblemError> {
+        if text.len() as u64 > MAX_BYTES {
+            let cause = Cause::FileTooLarge { bytes: text.len() as u64, limit: MAX_BYTES };
+            return Err(ProblemError { file: source.to_owned(), place: None, cause });
+        }
+        read(text, source).map_err(|fault| fault.locate(source, text))
+    }
+}
+
+fn read(text: &str, source: &str) -> Result<Problem, Fault> {
+    let table = DeTable::parse(text).map_err(|error| {
+        let span = error.span().map_or(Span::default(), |r| Span { start: r.start, end: r.end });
+        // Parser messages may have several lines; the sentence takes the first.
+        let message = error.message().lines().next().unwrap_or("syntax error").to_owned();
+        Fault::new(span, Cause::Toml { message })
+    })?;
+    let document = Fields::document(table.get_ref(), text, &TABLES)?;
+    let data = data::read(&document)?;
+    let draft = model::draft(&document, &data)?;
+    data::check_truth(&document, draft.states())?;
+    let declared = document.optional("parameters", |n| n.table("a table", &[]))?;
+    let parameters = parameters::read(declared.as_ref(), &draft.factors)?;
+    let names = draft.names(&document, &data, &parameters)?;
+    let model = draft.finish(&names, &data, &parameters)?;
+    let simulate = simulate::read(&document, &model, &parameters, &names, &data)?;
+    let tune = tune::tune(&document, &data, &model.states)?;
+    let filter = tune::filter(&document)?;
+    let problem =
+        Problem { source: source.to_owned(), text: text.to_owned(), data, model, parameters, filter, tune, simulate };
+    definite::check(&problem).map_err(|(key, cause)| Fault::new(locate(text, &["model", key]), cause))?;
+    Ok(problem)
+}

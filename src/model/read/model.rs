@@ -1,0 +1,297 @@
+//! The `[model]` table: formulas, or a built-in model.
+
+use super::covariance::{self, Axes};
+use super::data::limit;
+use super::node::{Fields, Node};
+use super::parameters::{Factor, check_name};
+use crate::model::error::{Cause, Fault, nearest};
+use crate::model::formula::{FormulaPlace, Names, Scope};
+use crate::model::library::{self, BuiltIn, Motion, Noise};
+use crate::model::{DataSpec, Expr, First, Model, Parameters, Start, Value, linear};
+
+const MAX_STATES: usize = 64;
+const COMMON: [&str; 5] = ["R", "x0", "P0", "first", "first_dt"];
+const FORMULAS: [&str; 4] = ["state", "f", "h", "Q"];
+const BUILT_IN: [&str; 3] = ["kind", "axes", "noise"];
+
+/// The `[model]` table with its states known, before any formula is read.
+pub(super) struct Draft<'a> {
+    fields: Fields<'a>,
+    built_in: Option<(&'static BuiltIn, Vec<String>)>,
+    states: Vec<String>,
+    /// Factors of Q, R and P0.
+    pub(super) factors: Vec<Factor>,
+}
+
+/// Reads state names and factors.
+pub(super) fn draft<'a>(document: &Fields<'a>, data: &DataSpec) -> Result<Draft<'a>, Fault> {
+    let node = document.need("model", "a table with formulas or `kind`")?;
+    let all = node.table("a table", &[])?;
+    let built_in = all.optional("kind", find_built_in)?;
+    let strengths = built_in.map_or(&[][..], |b| b.strengths);
+    let own = if built_in.is_some() { &BUILT_IN[..] } else { &FORMULAS[..] };
+    let mut known: Vec<&str> = own.iter().chain(strengths).chain(&COMMON).copied().collect();
+    if built_in.is_none() {
+        known.push("kind");
+    }
+    let fields = node.table("a table", &known)?;
+    let (states, built_in) = match built_in {
+        Some(model) => {
+            let axes = read_axes(&fields, data)?;
+            (model.states(&axes), Some((model, axes)))
+        }
+        None => (
+            fields.need("state", "a list of state names, or `kind` of a built-in model")?.names("a list of names")?,
+            None,
+        ),
+    };
+    let at =
+        fields.get("state").or_else(|| fields.get("axes")).or_else(|| fields.get("kind")).map_or(node.span, |n| n.span);
+    limit(at, states.len(), "states", MAX_STATES)?;
+    for (i, state) in states.iter().enumerate() {
+        check_name(state, entry_span(&fields, i).unwrap_or(at))?;
+        if states[..i].contains(state) {
+            return Err(Fault::new(at, Cause::NameTaken { name: state.clone(), taken: "a state" }));
+        }
+    }
+    let mut factors: Vec<Factor> = Vec::new();
+    for (key, size) in [("Q", states.len()), ("R", data.measurements.len()), ("P0", states.len())] {
+        let Some(factor) = fields.optional(key, |n| covariance::factor(n, size))?.flatten() else { continue };
+        if factors.iter().any(|f| f.name == factor.name) {
+            return Err(Fault::invalid(factor.span, &factor.name, "two matrices cannot share one factor"));
+        }
+        factors.push(factor);
+    }
+    Ok(Draft { fields, built_in, states, factors })
+}
+
+/// Where state `i` is typed, for formula models.
+fn entry_span(fields: &Fields<'_>, i: usize) -> Option<crate::model::Span> {
+    Some(fields.get("state")?.list("a list").ok()?.get(i)?.span)
+}
+
+fn find_built_in(node: &Node<'_>) -> Result<&'static BuiltIn, Fault> {
+    let name = node.string()?;
+    library::ALL.iter().find(|b| b.name == name).ok_or_else(|| {
+        let nearest = nearest(name, library::ALL.iter().map(|b| b.name));
+        let known = library::ALL.iter().map(|b| b.name.to_owned()).collect();
+        let (key, name) = (node.key.clone(), super::node::shorten(name));
+        node.fault(Cause::NoSuch { key, what: "the built-in model", name, nearest, known })
+    })
+}
+
+/// The axes of a built-in model, one per measurement and in their order.
+fn read_axes(fields: &Fields<'_>, data: &DataSpec) -> Result<Vec<String>, Fault> {
+    let m = data.measurements.len();
+    let expected = format!("{m}, one per measurement ({})", data.measurements.join(", "));
+    let Some(node) = fields.get("axes") else {
+        if m > library::MAX_AXES {
+            let problem =
+                format!("a built-in model has 1 to {} axes, one per measurement, and there are {m}", library::MAX_AXES);
+            return Err(fields.need("kind", "a built-in model")?.invalid(problem));
+        }
+        return Ok(data.measurements.clone());
+    };
+    let axes = node.names("a list of axis names")?;
+    if axes.len() > library::MAX_AXES {
+        return Err(node.wrong_count(axes.len(), format!("1 to {}", library::MAX_AXES)));
+    }
+    if axes.len() == m { Ok(axes) } else { Err(node.wrong_count(axes.len(), expected)) }
+}
+
+impl Draft<'_> {
+    /// State names.
+    pub(super) fn states(&self) -> &[String] {
+        &self.states
+    }
+
+    /// Every name that formulas may use, each with one meaning.
+    pub(super) fn names(
+        &self,
+        document: &Fields<'_>,
+        data: &DataSpec,
+        parameters: &Parameters,
+    ) -> Result<Names, Fault> {
+        let parameters: Vec<String> = parameters.all.iter().map(|p| p.name.clone()).collect();
+        let declared = document.optional("parameters", |n| n.table("a table", &[]))?;
+        let span = |name: &str| {
+            let entries = declared.as_ref().map_or(&[][..], |d| &d.entries);
+            entries.iter().find(|(key, ..)| *key == name).map_or(self.fields.span, |(_, span, _)| *span)
+        };
+        for name in &parameters {
+            let taken = if self.states.contains(name) {
+                "a state"
+            } else if data.inputs.contains(name) {
+                "an input"
+            } else {
+                continue;
+            };
+            return Err(Fault::new(span(name), Cause::NameTaken { name: name.clone(), taken }));
+        }
+        if let Some(name) = data.inputs.iter().find(|i| self.states.contains(i)) {
+            let cause = Cause::NameTaken { name: name.clone(), taken: "an input" };
+            return Err(Fault::new(self.fields.span, cause));
+        }
+        Ok(Names { states: self.states.clone(), parameters, inputs: data.inputs.clone() })
+    }
+
+    /// Reads every formula.
+    pub(super) fn finish(&self, names: &Names, data: &DataSpec, parameters: &Parameters) -> Result<Model, Fault> {
+        let fields = &self.fields;
+        let Motion { f, h, q } = match &self.built_in {
+            Some((model, axes)) => self.expand(model, axes, names)?,
+            None => self.formulas(names, data)?,
+        };
+        let states = Axes { labels: &self.states, what: "state", may_be_zero: false };
+        let measurements = Axes { labels: &data.measurements, what: "measurement", may_be_zero: false };
+        let r = fields.need("R", "the measurement noise covariance")?;
+        let p0 = fields.need("P0", "the initial covariance")?;
+        let x0 = self.read_x0(names)?;
+        let model = Model {
+            kind: self.built_in.as_ref().map(|(model, _)| model.name),
+            states: self.states.clone(),
+            measurements: data.measurements.clone(),
+            inputs: data.inputs.clone(),
+            r: covariance::read(r, measurements, names, FormulaPlace::Constant)?,
+            p0: covariance::read(p0, states, names, FormulaPlace::Constant)?,
+            first: self.read_first(&x0, data)?,
+            f,
+            h,
+            q,
+            x0,
+        };
+        self.check_start(&model, parameters)?;
+        Ok(model)
+    }
+
+    fn formulas(&self, names: &Names, data: &DataSpec) -> Result<Motion, Fault> {
+        let fields = &self.fields;
+        let f = fields.need("f", "a list of formulas, one per state")?;
+        let h = fields.need("h", "a list of formulas, one per measurement")?;
+        let q = fields.need("Q", "the process noise covariance of one step")?;
+        let states = Axes { labels: &self.states, what: "state", may_be_zero: true };
+        Ok(Motion {
+            f: linear_formulas(f, &self.states, "state", Scope { names, place: FormulaPlace::Transition, key: "" })?,
+            h: linear_formulas(
+                h,
+                &data.measurements,
+                "measurement",
+                Scope { names, place: FormulaPlace::Measurement, key: "" },
+            )?,
+            q: covariance::read(q, states, names, FormulaPlace::ProcessNoise)?,
+        })
+    }
+
+    fn expand(&self, model: &BuiltIn, axes: &[String], names: &Names) -> Result<Motion, Fault> {
+        let noise = match self.fields.optional("noise", |n| Ok((n.clone(), n.string()?)))? {
+            None | Some((_, "continuous")) => Noise::Continuous,
+            Some((_, "piecewise")) => Noise::Piecewise,
+            Some((n, other)) => {
+                return Err(n.bad_value(format!("\"{other}\""), "\"continuous\" or \"piecewise\""));
+            }
+        };
+        let mut strengths = vec![Vec::new(); axes.len()];
+        for key in model.strengths {
+            let node = self.fields.need(key, "the strength of its process noise: a number or a formula")?;
+            for (axis, strength) in strengths.iter_mut().zip(read_strengths(node, axes, names)?) {
+                axis.push(strength);
+            }
+        }
+        Ok(model.expand(noise, &strengths))
+    }
+
+    fn read_x0(&self, names: &Names) -> Result<Start, Fault> {
+        let node = self.fields.need("x0", "a list of numbers or formulas, or \"measurement\"")?;
+        if node.value.as_str() == Some("measurement") {
+            return Ok(Start::Measurement);
+        }
+        let expected = "a list of numbers or formulas, or \"measurement\"";
+        let entries = node.list(expected)?;
+        let n = self.states.len();
+        if entries.len() != n {
+            return Err(node.wrong_count(entries.len(), format!("{n}, one per state ({})", self.states.join(", "))));
+        }
+        let scope = Scope { names, place: FormulaPlace::Constant, key: "" };
+        Ok(Start::Values(entries.iter().map(|e| e.formula(scope)).collect::<Result<_, _>>()?))
+    }
+
+    fn read_first(&self, x0: &Start, data: &DataSpec) -> Result<First, Fault> {
+        let dt = self.fields.get("first_dt");
+        let first = self.fields.optional("first", |n| Ok((n.clone(), n.string()?)))?;
+        match (&first, dt) {
+            (None | Some((_, "update")), None) => Ok(First::Update),
+            (None | Some((_, "update")), Some(dt)) => {
+                Err(dt.invalid("it belongs to first = \"predict\", the step before the first row: remove it"))
+            }
+            (Some((n, "predict")), dt) if !data.inputs.is_empty() => {
+                let _ = dt;
+                Err(n.invalid(
+                    "\"predict\" needs the inputs of a step before the first row, which no log has: use \"update\"",
+                ))
+            }
+            (Some((n, "predict")), _) if *x0 == Start::Measurement => {
+                Err(n.invalid("\"predict\" cannot go with x0 = \"measurement\", which holds at a row: use \"update\""))
+            }
+            (Some((_, "predict")), dt) => Ok(First::Predict { dt: dt.map(Node::positive).transpose()? }),
+            (Some((n, other)), _) => Err(n.bad_value(format!("\"{other}\""), "\"update\" or \"predict\"")),
+        }
+    }
+
+    /// x0 = "measurement" inverts h once for all candidates.
+    fn check_start(&self, model: &Model, parameters: &Parameters) -> Result<(), Fault> {
+        if model.x0 != Start::Measurement {
+            return Ok(());
+        }
+        let searched = |symbol| match symbol {
+            crate::model::Symbol::Parameter(i) => match parameters.all[i].value {
+                Value::Searched(_) => true,
+                Value::Tied(to) => matches!(parameters.all[to].value, Value::Searched(_)),
+                Value::Fixed(_) => false,
+            },
+            _ => false,
+        };
+        match (model.h.iter().find(|h| h.mentions(searched)), self.fields.get("x0")) {
+            (Some(_), Some(x0)) => {
+                Err(x0.invalid("\"measurement\" needs an h without searched parameters: give numbers"))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// One affine formula per name.
+fn linear_formulas(node: &Node<'_>, labels: &[String], what: &str, scope: Scope<'_>) -> Result<Vec<Expr>, Fault> {
+    let entries = node.list("a list of formulas")?;
+    if entries.len() != labels.len() {
+        let expected = format!("{}, one per {what} ({})", labels.len(), labels.join(", "));
+        return Err(node.wrong_count(entries.len(), expected));
+    }
+    let read = |entry: &Node<'_>| {
+        let formula = entry.formula(scope)?;
+        linear::check(&formula).map_err(|offender| {
+            let text = super::node::shorten(entry.source(offender.span));
+            Fault::new(offender.span, Cause::Nonlinear { text, key: entry.key.clone() })
+        })?;
+        Ok(formula)
+    };
+    entries.iter().map(read).collect()
+}
+
+/// One strength for all axes, a list with one per axis, or a table by axis.
+fn read_strengths(node: &Node<'_>, axes: &[String], names: &Names) -> Result<Vec<Expr>, Fault> {
+    let scope = Scope { names, place: FormulaPlace::Constant, key: "" };
+    if node.value.is_table() {
+        let known: Vec<&str> = axes.iter().map(String::as_str).collect();
+        let fields = node.table("a table by axis", &known)?;
+        return axes.iter().map(|axis| fields.need(axis, "its strength")?.formula(scope)).collect();
+    }
+    if node.value.is_array() {
+        let entries = node.list("a list")?;
+        if entries.len() != axes.len() {
+            return Err(node.wrong_count(entries.len(), format!("{}, one per axis ({})", axes.len(), axes.join(", "))));
+        }
+        return entries.iter().map(|e| e.formula(scope)).collect();
+    }
+    let strength = node.formula(scope)?;
+    Ok(vec![strength; axes.len()])
+}

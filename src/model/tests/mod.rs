@@ -1,0 +1,3 @@
+//! The problem file as a whole.
+
+mod examples;

@@ -1,0 +1,23 @@
+//! `nll`: negative log-likelihood by the prediction error decomposition (Schweppe 1965, doi 10.1109/TIT.1965.1053737).
+
+use super::Objective;
+use crate::filter::{Pools, Scoring, Traced};
+use std::f64::consts::TAU;
+
+/// Slots: the sum of NIS, then ln det S in pieces.
+pub(super) fn trace(objective: &Objective, scoring: &mut Scoring<'_>) -> Traced {
+    let skip = objective.skip;
+    let mut slots = vec![super::innovation::nis_slot(objective, scoring)];
+    for i in 0..scoring.measurements() {
+        let gate = scoring.weight(|place| f64::from(u8::from(place.k >= skip && place.present(i))));
+        let pivot = scoring.pivot(i);
+        slots.push(scoring.log_product(pivot, gate));
+    }
+    Traced { slots, counts: super::innovation::component_counts(objective, scoring) }
+}
+
+/// 1/2 (count ln 2 pi + ln det S + sum NIS).
+pub(super) fn finish(pools: &Pools<'_>) -> f64 {
+    let log_determinant: f64 = (1..pools.len()).map(|j| pools.total(j)).sum();
+    0.5 * (pools.count() * TAU.ln() + log_determinant + pools.total(0))
+}

@@ -1,0 +1,43 @@
+//! `mismatch` (f2 of MOMA, doi 10.1145/2576768.2598242): actual against theoretical innovation covariance, by their traces.
+
+use super::Objective;
+use crate::filter::{Pools, Scoring, Traced};
+
+/// Slots: m sums for Ca over the window, then m for Ct over the window, or over its last row with `ct = "last"`.
+pub(super) fn trace(objective: &Objective, scoring: &mut Scoring<'_>) -> Traced {
+    let (skip, window) = (objective.skip, objective.window);
+    let last = if objective.ct_last { 1 } else { window };
+    let inside = scoring.last_measured(skip, window);
+    let theory = scoring.last_measured(skip, last);
+    let m = scoring.measurements();
+    let mut slots = Vec::with_capacity(2 * m);
+    for i in 0..m {
+        let weight = scoring.weight(|place| f64::from(u8::from(place.present(i) && inside.contains(place))));
+        let square = scoring.squared_innovation(i);
+        slots.push(scoring.sum(square, weight));
+    }
+    for i in 0..m {
+        let weight = scoring.weight(|place| f64::from(u8::from(place.present(i) && theory.contains(place))));
+        let variance = scoring.innovation_variance(i);
+        slots.push(scoring.sum(variance, weight));
+    }
+    // Ca is a mean over the window; Ct over the same rows or over one.
+    let counts = scoring.counts(|place| f64::from(u8::from(place.components() > 0 && inside.contains(place))));
+    let counts = counts.into_iter().map(|rows| if objective.ct_last { rows.min(1.0) / rows } else { 1.0 }).collect();
+    Traced { slots, counts }
+}
+
+/// Mean over the trajectories of |mean Ca / mean Ct - 1|; a trajectory without a measured row does not count.
+pub(super) fn finish(pools: &Pools<'_>) -> f64 {
+    let m = pools.len() / 2;
+    let (mut sum, mut trajectories) = (0.0, 0.0);
+    for (t, scale) in pools.counts().iter().enumerate() {
+        let actual: f64 = (0..m).map(|j| pools.of(t, j)).sum();
+        let theory: f64 = (m..2 * m).map(|j| pools.of(t, j)).sum();
+        if !scale.is_nan() && theory.abs() > 0.0 {
+            sum += (actual * scale / theory - 1.0).abs();
+            trajectories += 1.0;
+        }
+    }
+    sum / trajectories
+}

@@ -1,0 +1,57 @@
+//! Objectives that need the true states: `rmse`, `distance`, `nees`.
+
+use super::Objective;
+use crate::filter::{Place, Pools, Scoring, Traced};
+
+/// 1 where the truth of all `columns` is known, else 0.
+fn known(place: Place<'_>, columns: &[Option<usize>], skip: usize) -> f64 {
+    let all = columns.iter().all(|c| c.is_some_and(|c| !place.truth(c).is_nan()));
+    f64::from(u8::from(place.k >= skip && all))
+}
+
+fn with_truth(objective: &Objective, scoring: &mut Scoring<'_>, states: &[usize], root: bool) -> Traced {
+    let (columns, skip) = (states.iter().map(|i| scoring.truth_column(*i)).collect::<Vec<_>>(), objective.skip);
+    let weight = scoring.weight(|place| known(place, &columns, skip));
+    let counts = scoring.counts(|place| known(place, &columns, skip));
+    let mut value = scoring.squared_error(states);
+    if root {
+        value = scoring.sqrt(value);
+    }
+    Traced { slots: vec![scoring.sum(value, weight)], counts }
+}
+
+/// `rmse`: squared error of the named states.
+pub(super) fn trace_rmse(objective: &Objective, scoring: &mut Scoring<'_>) -> Traced {
+    with_truth(objective, scoring, &objective.states, false)
+}
+
+/// sqrt(sum / number of rows), not divided by the number of states.
+pub(super) fn finish_rmse(pools: &Pools<'_>) -> f64 {
+    (pools.total(0) / pools.count()).sqrt()
+}
+
+/// `distance`: Euclidean error of the named states.
+pub(super) fn trace_distance(objective: &Objective, scoring: &mut Scoring<'_>) -> Traced {
+    with_truth(objective, scoring, &objective.states, true)
+}
+
+/// The sum over rows.
+pub(super) fn finish_distance(pools: &Pools<'_>) -> f64 {
+    pools.total(0)
+}
+
+/// `nees`: e' P^-1 e where the truth of all states is known; counts are rows x n.
+pub(super) fn trace_nees(objective: &Objective, scoring: &mut Scoring<'_>) -> Traced {
+    let states: Vec<usize> = (0..scoring.states()).collect();
+    let (columns, skip) = (states.iter().map(|i| scoring.truth_column(*i)).collect::<Vec<_>>(), objective.skip);
+    let weight = scoring.weight(|place| known(place, &columns, skip));
+    let n = super::innovation::count(states.len());
+    let counts = scoring.counts(|place| n * known(place, &columns, skip));
+    let value = scoring.normalised_error();
+    Traced { slots: vec![scoring.sum(value, weight)], counts }
+}
+
+/// |sum NEES / (n x rows) - 1|.
+pub(super) fn finish_nees(pools: &Pools<'_>) -> f64 {
+    (pools.total(0) / pools.count() - 1.0).abs()
+}

@@ -1,0 +1,43 @@
+//! Why a filter run stopped.
+
+use crate::data::Log;
+
+/// A filter run that could not go on.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{log}:{line}: trajectory {trajectory}, row {row}: {what}")]
+pub struct Failure {
+    /// [`Log::source`].
+    pub log: String,
+    /// Index of the trajectory.
+    pub trajectory: usize,
+    /// Index of the row within it.
+    pub row: usize,
+    /// 1-based line of the row in the log's source.
+    pub line: u64,
+    /// What happened there.
+    pub what: Cause,
+}
+
+/// What stopped a filter run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum Cause {
+    /// Q, R or P0 is no covariance for this candidate.
+    #[error("the innovation covariance S is not positive definite (check that Q, R and P0 are covariances)")]
+    NotPositive,
+    /// An overflow, or a NaN from a formula or an input.
+    #[error("the filter met a number that is not finite (check the formulas, their parameters and the inputs)")]
+    NotFinite,
+    /// `first = "predict"` has no interval to use.
+    #[error("first = \"predict\" has no interval, because the log's intervals differ (give first_dt)")]
+    NoFirstInterval,
+    /// The log has other measurement or input columns than the model.
+    #[error("the log's measurements and inputs are not the model's (check [data])")]
+    WrongColumns,
+}
+
+impl Failure {
+    pub(super) fn at(log: &Log, trajectory: usize, row: usize, what: Cause) -> Self {
+        let line = log.trajectories.get(trajectory).and_then(|t| t.line.get(row)).copied().unwrap_or(0);
+        Self { log: log.source.clone(), trajectory, row, line, what }
+    }
+}

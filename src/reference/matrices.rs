@@ -1,0 +1,165 @@
+//! F, H, Q, R of a candidate as dense matrices.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::evaluate::{Formula, Scope};
+use crate::model::{Expr, Model, Problem, Start};
+
+/// The matrices of a linear model for one candidate and one interval, inputs at zero.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Matrices {
+    /// Transition, n x n.
+    pub f: DMatrix<f64>,
+    /// Measurement, m x n.
+    pub h: DMatrix<f64>,
+    /// Process noise covariance of one step, n x n.
+    pub q: DMatrix<f64>,
+    /// Measurement noise covariance, m x m.
+    pub r: DMatrix<f64>,
+}
+
+impl Matrices {
+    /// Evaluates the model of `problem` for a candidate over an interval of `dt` [s].
+    ///
+    /// # Panics
+    /// If `candidate` does not have one value per searched parameter.
+    #[must_use]
+    pub fn of(problem: &Problem, candidate: &[f64], dt: f64) -> Self {
+        let mut formulas = Formulas::new(&problem.model, problem.parameters.resolve(candidate));
+        let inputs = vec![0.0; problem.model.inputs.len()];
+        let (mut f, mut h) = (Affine::zeros(formulas.n, formulas.n), Affine::zeros(formulas.m, formulas.n));
+        formulas.transition(dt, &inputs, &mut f);
+        formulas.measurement(&inputs, &mut h);
+        let (mut q, mut r) = (DMatrix::zeros(formulas.n, formulas.n), DMatrix::zeros(formulas.m, formulas.m));
+        formulas.process_noise(dt, &mut q);
+        formulas.measurement_noise(&mut r);
+        Self { f: f.matrix, h: h.matrix, q, r }
+    }
+}
+
+/// y = A x + b.
+#[derive(Debug, Clone)]
+pub(super) struct Affine {
+    pub(super) matrix: DMatrix<f64>,
+    pub(super) transpose: DMatrix<f64>,
+    pub(super) offset: DVector<f64>,
+}
+
+impl Affine {
+    pub(super) fn zeros(rows: usize, columns: usize) -> Self {
+        Self {
+            matrix: DMatrix::zeros(rows, columns),
+            transpose: DMatrix::zeros(columns, rows),
+            offset: DVector::zeros(rows),
+        }
+    }
+}
+
+/// The formulas of a model with a candidate's parameters filled in.
+#[derive(Debug)]
+pub(super) struct Formulas {
+    pub(super) n: usize,
+    pub(super) m: usize,
+    pub(super) f_uses_inputs: bool,
+    pub(super) h_uses_inputs: bool,
+    parameters: Vec<f64>,
+    f: Vec<Formula>,
+    h: Vec<Formula>,
+    q: Vec<Formula>,
+    r: Vec<Formula>,
+    p0: Vec<Formula>,
+    x0: Option<Vec<Formula>>,
+    stack: Vec<f64>,
+    states: Vec<f64>,
+}
+
+impl Formulas {
+    pub(super) fn new(model: &Model, parameters: Vec<f64>) -> Self {
+        let compile = |list: &[Expr]| list.iter().map(Formula::of).collect::<Vec<_>>();
+        let (f, h) = (compile(&model.f), compile(&model.h));
+        Self {
+            n: model.states.len(),
+            m: model.measurements.len(),
+            f_uses_inputs: f.iter().any(Formula::mentions_input),
+            h_uses_inputs: h.iter().any(Formula::mentions_input),
+            parameters,
+            f,
+            h,
+            q: compile(&model.q),
+            r: compile(&model.r),
+            p0: compile(&model.p0),
+            x0: match &model.x0 {
+                Start::Values(list) => Some(compile(list)),
+                Start::Measurement => None,
+            },
+            stack: Vec::new(),
+            states: vec![0.0; model.states.len()],
+        }
+    }
+
+    /// f as F x + f(0).
+    pub(super) fn transition(&mut self, dt: f64, inputs: &[f64], out: &mut Affine) {
+        let scope = Scope { states: &[], parameters: &self.parameters, inputs, dt };
+        linearise(&self.f, scope, &mut self.states, &mut self.stack, out);
+    }
+
+    /// h as H x + h(0).
+    pub(super) fn measurement(&mut self, inputs: &[f64], out: &mut Affine) {
+        let scope = Scope { states: &[], parameters: &self.parameters, inputs, dt: f64::NAN };
+        linearise(&self.h, scope, &mut self.states, &mut self.stack, out);
+    }
+
+    pub(super) fn process_noise(&mut self, dt: f64, out: &mut DMatrix<f64>) {
+        let scope = Scope { parameters: &self.parameters, dt, ..Scope::default() };
+        fill(&self.q, &scope, &mut self.stack, out);
+    }
+
+    pub(super) fn measurement_noise(&mut self, out: &mut DMatrix<f64>) {
+        let scope = Scope { parameters: &self.parameters, ..Scope::default() };
+        fill(&self.r, &scope, &mut self.stack, out);
+    }
+
+    pub(super) fn initial_covariance(&mut self, out: &mut DMatrix<f64>) {
+        let scope = Scope { parameters: &self.parameters, ..Scope::default() };
+        fill(&self.p0, &scope, &mut self.stack, out);
+    }
+
+    pub(super) const fn starts_from_measurement(&self) -> bool {
+        self.x0.is_none()
+    }
+
+    /// x0 where it is given by formulas; `out` is untouched when it comes from a measurement.
+    pub(super) fn initial_state(&mut self, out: &mut DVector<f64>) {
+        let Some(x0) = &self.x0 else { return };
+        let scope = Scope { parameters: &self.parameters, ..Scope::default() };
+        for (entry, formula) in out.iter_mut().zip(x0) {
+            *entry = formula.value(&scope, &mut self.stack);
+        }
+    }
+}
+
+/// Row-major formulas into a matrix.
+fn fill(formulas: &[Formula], scope: &Scope, stack: &mut Vec<f64>, out: &mut DMatrix<f64>) {
+    let columns = out.ncols();
+    for (i, formula) in formulas.iter().enumerate() {
+        out[(i / columns, i % columns)] = formula.value(scope, stack);
+    }
+}
+
+/// Columns of an affine map by unit vectors: A e_j = (g(s e_j) - g(0)) / s. The step s is 1, or the power of two
+/// above |g(0)|, so that a large offset (sea level, an epoch) takes no digits from A.
+fn linearise(formulas: &[Formula], scope: Scope, states: &mut [f64], stack: &mut Vec<f64>, out: &mut Affine) {
+    states.fill(0.0);
+    for (i, formula) in formulas.iter().enumerate() {
+        let offset = formula.value(&Scope { states, ..scope }, stack);
+        out.offset[i] = offset;
+        let step = if offset.abs() > 1.0 { offset.abs().log2().ceil().exp2() } else { 1.0 };
+        for j in 0..states.len() {
+            states[j] = step;
+            let value = formula.value(&Scope { states, ..scope }, stack);
+            states[j] = 0.0;
+            out.matrix[(i, j)] = (value - offset) / step;
+        }
+    }
+    out.matrix.transpose_to(&mut out.transpose);
+}

@@ -1,0 +1,172 @@
+//! One candidate through a whole log: where each trajectory starts, and what happens at its rows.
+
+use nalgebra::{Cholesky, DVector};
+
+use super::kalman::{Estimate, Kalman, Update};
+use super::matrices::Formulas;
+use super::score::Scorer;
+use super::{Cause, Failure};
+use crate::data::{Log, Trajectory};
+use crate::model::{First, Problem};
+
+/// Everything a filter run computed, row by row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    /// One list of steps per trajectory of the log. With `x0 = "measurement"` a list begins at the first complete
+    /// measurement, and is empty where there is none.
+    pub trajectories: Vec<Vec<Step>>,
+}
+
+/// One row of a filter run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Step {
+    /// Row of the trajectory.
+    pub row: usize,
+    /// Its time [s].
+    pub time: f64,
+    /// Before the measurement.
+    pub prior: Estimate,
+    /// The measurement's effect; `None` where nothing was measured or the row was the source of x0.
+    pub update: Option<Update>,
+    /// After the measurement.
+    pub posterior: Estimate,
+    /// e' P^-1 e of the posterior where truth of all states is there; NaN when P is not positive definite.
+    pub nees: Option<f64>,
+}
+
+/// A row as the walk passes it.
+#[derive(Clone, Copy)]
+pub(super) struct Moment<'a> {
+    pub(super) trajectory: usize,
+    pub(super) row: usize,
+    pub(super) prior: &'a Estimate,
+    pub(super) posterior: &'a Estimate,
+    pub(super) update: Option<&'a Update>,
+}
+
+/// Runs the filter of `candidate` (searched parameters in their own units) over the whole log.
+///
+/// # Errors
+/// When S is not positive definite or a number is not finite, with the place.
+///
+/// # Panics
+/// If `candidate` does not have one value per searched parameter.
+pub fn run(problem: &Problem, log: &Log, candidate: &[f64]) -> Result<Run, Failure> {
+    let truth = Truth::of(problem, log);
+    let mut trajectories = vec![Vec::new(); log.trajectories.len()];
+    walk(problem, log, candidate, &mut |moment| {
+        let trajectory = &log.trajectories[moment.trajectory];
+        trajectories[moment.trajectory].push(Step {
+            row: moment.row,
+            time: trajectory.time[moment.row],
+            prior: moment.prior.clone(),
+            update: moment.update.cloned(),
+            posterior: moment.posterior.clone(),
+            nees: truth.nees(trajectory, moment.row, moment.posterior),
+        });
+    })?;
+    Ok(Run { trajectories })
+}
+
+/// The problem's objectives for a candidate: [`run`] and [`super::score`] in one pass that keeps no rows.
+///
+/// # Errors
+/// As [`run`].
+///
+/// # Panics
+/// As [`run`].
+pub fn costs(problem: &Problem, log: &Log, candidate: &[f64]) -> Result<Vec<f64>, Failure> {
+    let truth = Truth::of(problem, log);
+    let mut scorer = Scorer::new(&truth, &problem.tune.objectives);
+    walk(problem, log, candidate, &mut |moment| {
+        let trajectory = &log.trajectories[moment.trajectory];
+        let nees = || truth.nees(trajectory, moment.row, moment.posterior);
+        scorer.row(moment.trajectory, (trajectory, moment.row), &moment.posterior.x, moment.update, nees);
+    })?;
+    Ok(scorer.costs())
+}
+
+fn walk(problem: &Problem, log: &Log, candidate: &[f64], visit: &mut impl FnMut(Moment)) -> Result<(), Failure> {
+    let model = &problem.model;
+    let formulas = Formulas::new(model, problem.parameters.resolve(candidate));
+    if log.measurements.len() != formulas.m || log.inputs.len() != model.inputs.len() {
+        return Err(Failure::at(log, 0, 0, Cause::WrongColumns));
+    }
+    let first_dt = match model.first {
+        First::Update => None,
+        First::Predict { dt } => {
+            Some(dt.or_else(|| log.regular_dt()).ok_or_else(|| Failure::at(log, 0, 0, Cause::NoFirstInterval))?)
+        }
+    };
+    let mut filter = Kalman::new(formulas);
+    for (index, trajectory) in log.trajectories.iter().enumerate() {
+        let mut row = 0;
+        walk_trajectory(&mut filter, trajectory, first_dt, &mut row, &mut |row, filter, updated| {
+            visit(Moment {
+                trajectory: index,
+                row,
+                prior: &filter.prior,
+                posterior: &filter.posterior,
+                update: updated.then(|| filter.latest()),
+            });
+        })
+        .map_err(|what| Failure::at(log, index, row, what))?;
+    }
+    Ok(())
+}
+
+/// `row` tells the caller where an error happened.
+fn walk_trajectory(
+    filter: &mut Kalman,
+    trajectory: &Trajectory,
+    first_dt: Option<f64>,
+    row: &mut usize,
+    visit: &mut impl FnMut(usize, &Kalman, bool),
+) -> Result<(), Cause> {
+    if filter.starts_from_measurement() {
+        let Some(first) = (0..trajectory.len()).find(|&k| trajectory.is_complete(k)) else { return Ok(()) };
+        *row = first;
+        filter.start_from(trajectory.z.row(first), trajectory.u.row(first))?;
+        visit(first, filter, false);
+        *row = first + 1;
+    } else {
+        filter.start(first_dt)?;
+    }
+    while *row < trajectory.len() {
+        let k = *row;
+        if k > 0 {
+            filter.predict(trajectory.time[k] - trajectory.time[k - 1], trajectory.u.row(k - 1))?;
+        }
+        let updated = filter.update(trajectory.z.row(k), trajectory.u.row(k))?;
+        visit(k, filter, updated);
+        *row += 1;
+    }
+    Ok(())
+}
+
+/// Which truth columns hold which states.
+pub(super) struct Truth {
+    /// For each state, its column of [`Trajectory::truth`].
+    pub(super) column: Vec<Option<usize>>,
+}
+
+impl Truth {
+    pub(super) fn of(problem: &Problem, log: &Log) -> Self {
+        let column = problem.model.states.iter().map(|s| log.truth.iter().position(|t| t == s)).collect();
+        Self { column }
+    }
+
+    /// Error of state `i` at a row; `None` where its truth is unknown.
+    pub(super) fn error(&self, trajectory: &Trajectory, row: usize, i: usize, x: &DVector<f64>) -> Option<f64> {
+        let truth = trajectory.truth.row(row)[self.column[i]?];
+        (!truth.is_nan()).then(|| x[i] - truth)
+    }
+
+    /// e' P^-1 e where truth of all states is there; NaN when P is not positive definite.
+    pub(super) fn nees(&self, trajectory: &Trajectory, row: usize, estimate: &Estimate) -> Option<f64> {
+        let n = self.column.len();
+        let error: Option<Vec<f64>> = (0..n).map(|i| self.error(trajectory, row, i, &estimate.x)).collect();
+        let error = DVector::from_vec(error?);
+        Some(Cholesky::new(estimate.p.clone()).map_or(f64::NAN, |c| error.dot(&c.solve(&error))))
+    }
+}

@@ -1,0 +1,186 @@
+//! Exact derivatives on the graph.
+
+use super::graph::{Binary, Graph, Id, Leaf, Node, Unary};
+use std::collections::HashMap;
+
+impl Graph {
+    /// The derivative of `y` with respect to a leaf, as a new node.
+    pub fn differentiate(&mut self, y: Id, with_respect_to: Leaf) -> Id {
+        let order = self.reachable(&[y], |_| true);
+        let zero = self.constant(0.0);
+        let mut derivative: HashMap<Id, Id> = HashMap::with_capacity(order.len());
+        for id in order {
+            let d = |operand: Id| derivative.get(&operand).copied().unwrap_or(zero);
+            let dy = match self.node(id) {
+                Node::Constant(_) => zero,
+                Node::Leaf(leaf) => self.constant(f64::from(u8::from(leaf == with_respect_to))),
+                Node::Unary(op, a) => {
+                    let da = d(a);
+                    self.chain(op, id, a, da)
+                }
+                Node::Binary(op, a, b) => {
+                    let (da, db) = (d(a), d(b));
+                    self.binary_rule(op, id, [a, b], [da, db])
+                }
+                Node::Select { condition, then, otherwise } => {
+                    let (then, otherwise) = (d(then), d(otherwise));
+                    self.select(condition, then, otherwise)
+                }
+            };
+            derivative.insert(id, dy);
+        }
+        derivative.get(&y).copied().unwrap_or(zero)
+    }
+
+    /// d op(a) = op'(a) da, where `y` = op(a).
+    fn chain(&mut self, op: Unary, y: Id, a: Id, da: Id) -> Id {
+        if self.is(da, 0.0) {
+            return da;
+        }
+        let one = self.constant(1.0);
+        match op {
+            Unary::Negate => self.neg(da),
+            Unary::Sqrt => {
+                let twice = self.add(y, y);
+                self.div(da, twice)
+            }
+            Unary::Exp => self.mul(y, da),
+            Unary::Ln => self.div(da, a),
+            Unary::Sin => {
+                let cos = self.unary(Unary::Cos, a);
+                self.mul(cos, da)
+            }
+            Unary::Cos => {
+                let sin = self.unary(Unary::Sin, a);
+                let product = self.mul(sin, da);
+                self.neg(product)
+            }
+            Unary::Tan => {
+                let square = self.mul(y, y);
+                let slope = self.add(one, square);
+                self.mul(slope, da)
+            }
+            Unary::Atan => {
+                let square = self.mul(a, a);
+                let denominator = self.add(one, square);
+                self.div(da, denominator)
+            }
+            Unary::Abs => {
+                let minus = self.neg(da);
+                self.select(a, da, minus)
+            }
+        }
+    }
+
+    /// d op(a, b), where `y` = op(a, b).
+    fn binary_rule(&mut self, op: Binary, y: Id, [a, b]: [Id; 2], [da, db]: [Id; 2]) -> Id {
+        if self.is(da, 0.0) && self.is(db, 0.0) {
+            return da;
+        }
+        match op {
+            Binary::Add => self.add(da, db),
+            Binary::Subtract => self.sub(da, db),
+            Binary::Multiply => self.dot([(a, db), (da, b)]),
+            Binary::Divide => {
+                let part = self.mul(y, db);
+                let numerator = self.sub(da, part);
+                self.div(numerator, b)
+            }
+            Binary::Min => {
+                let b_larger = self.sub(b, a);
+                self.select(b_larger, da, db)
+            }
+            Binary::Max => {
+                let a_larger = self.sub(a, b);
+                self.select(a_larger, da, db)
+            }
+            Binary::Atan2 => {
+                let (left, right) = (self.mul(b, da), self.mul(a, db));
+                let numerator = self.sub(left, right);
+                let square = self.dot([(a, a), (b, b)]);
+                self.div(numerator, square)
+            }
+            Binary::Power => self.power_rule(y, [a, b], [da, db]),
+        }
+    }
+
+    /// d a^b = b a^(b-1) da + a^b ln(a) db.
+    fn power_rule(&mut self, y: Id, [a, b]: [Id; 2], [da, db]: [Id; 2]) -> Id {
+        let one = self.constant(1.0);
+        let lower = self.sub(b, one);
+        let power = self.pow(a, lower);
+        let slope = self.mul(b, power);
+        let base = self.mul(slope, da);
+        if self.is(db, 0.0) {
+            return base;
+        }
+        let ln = self.unary(Unary::Ln, a);
+        let rate = self.mul(y, ln);
+        let exponent = self.mul(rate, db);
+        self.add(base, exponent)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::graph::Calculator;
+    use super::*;
+
+    /// Every rule against a central difference.
+    #[test]
+    fn derivatives_equal_central_differences() {
+        let mut g = Graph::default();
+        let (x, y) = (g.leaf(Leaf::Variable(0)), g.leaf(Leaf::Variable(1)));
+        let mut cases = Vec::new();
+        for op in [
+            Unary::Negate,
+            Unary::Sqrt,
+            Unary::Exp,
+            Unary::Ln,
+            Unary::Sin,
+            Unary::Cos,
+            Unary::Tan,
+            Unary::Atan,
+            Unary::Abs,
+        ] {
+            let product = g.mul(x, y);
+            cases.push(g.unary(op, product));
+        }
+        for op in [
+            Binary::Add,
+            Binary::Subtract,
+            Binary::Multiply,
+            Binary::Divide,
+            Binary::Min,
+            Binary::Max,
+            Binary::Atan2,
+            Binary::Power,
+        ] {
+            let square = g.mul(x, x);
+            cases.push(g.binary(op, square, y));
+        }
+        let difference = g.sub(x, y);
+        cases.push(g.select(difference, x, y));
+        for (k, case) in cases.into_iter().enumerate() {
+            let derivative = g.differentiate(case, Leaf::Variable(0));
+            let mut f = Calculator::new(&g, &[case, derivative]);
+            let mut at = |x: f64| {
+                let mut out = f.evaluate(|l| if l == Leaf::Variable(0) { x } else { 1.3 });
+                (out.next().unwrap(), out.next().unwrap())
+            };
+            let numeric = (at(0.7 + 1e-6).0 - at(0.7 - 1e-6).0) / 2e-6;
+            assert!((numeric - at(0.7).1).abs() < 1e-8, "case {k}: {numeric} against {}", at(0.7).1);
+        }
+    }
+
+    #[test]
+    fn an_affine_formula_has_constant_derivatives() {
+        let mut g = Graph::default();
+        let (x, dt) = (g.leaf(Leaf::Variable(0)), g.leaf(Leaf::Column(0)));
+        let product = g.mul(x, dt);
+        let two = g.constant(2.0);
+        let y = g.add(product, two);
+        assert_eq!(g.differentiate(y, Leaf::Variable(0)), dt, "d(x dt + 2)/dx = dt");
+        assert!(!g.depends(dt).has_variable(), "and it holds for every x");
+    }
+}

@@ -1,0 +1,274 @@
+//! Runs a tape on the CPU: every operation over a block of candidates, one candidate a lane.
+//!
+//! A register is `B` chunks of `C` lanes; `C` fills one vector register of the widest instruction set, so that the inner
+//! loops compile to plain vector code for whatever the caller's `#[target_feature]` allows. No operation ever contracts
+//! `a * b + c`, so every instruction set and every block size gives the same bits.
+
+use super::graph::{Binary, Unary};
+use super::schedule::{Argument, Code, Operation, Tape};
+use std::array::from_fn;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// A number that fits a lane: `f32` or `f64`.
+pub trait Lane:
+    Copy
+    + PartialOrd
+    + Send
+    + Sync
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// 0.
+    const ZERO: Self;
+    /// 1.
+    const ONE: Self;
+    /// Steps after which a running product must be [split](Self::split), so that factors from 1e-19 to 1e19 (f32) or
+    /// 1e-38 to 1e38 (f64) cannot overflow it.
+    const STEPS_PER_SPLIT: usize;
+
+    /// Rounded once.
+    fn from_f64(value: f64) -> Self;
+    /// Exact.
+    fn to_f64(self) -> f64;
+    /// A function of one operand, not [`Unary::Negate`].
+    fn unary(self, op: Unary) -> Self;
+    /// The operations that are rarely needed: min, max, atan2, power.
+    fn rare(self, op: Binary, other: Self) -> Self;
+    /// A positive normal number as a mantissa in [1, 2) and a power of two; anything that is not finite becomes NaN.
+    fn split(self) -> (Self, Self);
+}
+
+macro_rules! lane {
+    ($float:ty, $bits:ty, $mantissa_bits:literal, $bias:literal, $steps:literal) => {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_lossless,
+            reason = "rounding to the lane's precision is the purpose"
+        )]
+        impl Lane for $float {
+            const ZERO: Self = 0.0;
+            const ONE: Self = 1.0;
+            const STEPS_PER_SPLIT: usize = $steps;
+
+            #[inline(always)]
+            fn from_f64(value: f64) -> Self {
+                value as Self
+            }
+
+            #[inline(always)]
+            fn to_f64(self) -> f64 {
+                self as f64
+            }
+
+            #[inline(always)]
+            fn unary(self, op: Unary) -> Self {
+                match op {
+                    Unary::Negate => -self,
+                    Unary::Sqrt => self.sqrt(),
+                    Unary::Exp => self.exp(),
+                    Unary::Ln => self.ln(),
+                    Unary::Sin => self.sin(),
+                    Unary::Cos => self.cos(),
+                    Unary::Tan => self.tan(),
+                    Unary::Atan => self.atan(),
+                    Unary::Abs => self.abs(),
+                }
+            }
+
+            #[inline(always)]
+            fn rare(self, op: Binary, other: Self) -> Self {
+                match op {
+                    Binary::Add => self + other,
+                    Binary::Subtract => self - other,
+                    Binary::Multiply => self * other,
+                    Binary::Divide => self / other,
+                    Binary::Min => self.min(other),
+                    Binary::Max => self.max(other),
+                    Binary::Atan2 => self.atan2(other),
+                    Binary::Power => self.powf(other),
+                }
+            }
+
+            #[inline(always)]
+            fn split(self) -> (Self, Self) {
+                const ONE: $bits = $bias << $mantissa_bits;
+                const EXPONENT: $bits = (2 * $bias + 1) << $mantissa_bits;
+                let bits = self.to_bits();
+                let exponent = ((bits & EXPONENT) >> $mantissa_bits) as i32 - $bias;
+                let mantissa = Self::from_bits(bits & !EXPONENT | ONE);
+                let mantissa = if bits & EXPONENT == EXPONENT { Self::NAN } else { mantissa };
+                (mantissa, exponent as Self)
+            }
+        }
+    };
+}
+
+lane!(f32, u32, 23, 127, 2);
+lane!(f64, u64, 52, 1023, 8);
+
+/// A register: `B` chunks of `C` candidates.
+pub type Register<T, const C: usize, const B: usize> = [[T; C]; B];
+
+/// Runs `tape` once.
+///
+/// # Panics
+/// If `registers` is shorter than [`Tape::registers`] or `scalars` than [`Tape::scalars`].
+#[inline(always)]
+pub fn run<T: Lane, const C: usize, const B: usize>(
+    tape: &[Operation],
+    registers: &mut [Register<T, C, B>],
+    scalars: &[T],
+) {
+    for operation in tape {
+        execute(operation, registers, scalars);
+    }
+}
+
+/// Runs `tape` on one candidate in f64.
+pub fn run_one(tape: &Tape, registers: &mut Vec<f64>, scalars: &[f64]) {
+    let mut wide: Vec<Register<f64, 1, 1>> = registers.iter().map(|v| [[*v]]).collect();
+    wide.resize(tape.registers.max(wide.len()), [[0.0]]);
+    run(&tape.operations, &mut wide, scalars);
+    *registers = wide.into_iter().map(|[[v]]| v).collect();
+}
+
+#[inline(always)]
+fn execute<T: Lane, const C: usize, const B: usize>(op: &Operation, r: &mut [Register<T, C, B>], s: &[T]) {
+    use Argument::{Register as R, Scalar as S};
+    let to = op.register as usize;
+    let [a, b, c] = op.arguments;
+    match (op.code, a, b, c) {
+        (Code::Binary(Binary::Add), R(a), R(b), _) => two(r, to, a, b, |a, b| a + b),
+        (Code::Binary(Binary::Add), R(a), S(b), _) => one(r, to, a, s[b as usize], |a, b| a + b),
+        (Code::Binary(Binary::Subtract), R(a), R(b), _) => two(r, to, a, b, |a, b| a - b),
+        (Code::Binary(Binary::Subtract), R(a), S(b), _) => one(r, to, a, s[b as usize], |a, b| a - b),
+        (Code::Binary(Binary::Subtract), S(a), R(b), _) => one(r, to, b, s[a as usize], |b, a| a - b),
+        (Code::Binary(Binary::Multiply), R(a), R(b), _) => two(r, to, a, b, |a, b| a * b),
+        (Code::Binary(Binary::Multiply), R(a), S(b), _) => one(r, to, a, s[b as usize], |a, b| a * b),
+        (Code::Binary(Binary::Divide), R(a), R(b), _) => two(r, to, a, b, |a, b| a / b),
+        (Code::Binary(Binary::Divide), S(a), R(b), _) => one(r, to, b, s[a as usize], |b, a| a / b),
+        (Code::MultiplyAdd, R(a), R(b), R(c)) => three(r, to, [a, b, c], |a, b, c| a * b + c),
+        (Code::MultiplyAdd, R(a), S(b), R(c)) => two_one(r, to, a, c, s[b as usize], |a, c, b| a * b + c),
+        (Code::MultiplyAdd, R(a), R(b), S(c)) => two_one(r, to, a, b, s[c as usize], |a, b, c| a * b + c),
+        (Code::MultiplySubtract, R(a), R(b), R(c)) => three(r, to, [a, b, c], |a, b, c| a * b - c),
+        (Code::MultiplySubtract, R(a), S(b), R(c)) => two_one(r, to, a, c, s[b as usize], |a, c, b| a * b - c),
+        (Code::SubtractProduct, R(a), R(b), R(c)) => three(r, to, [a, b, c], |a, b, c| c - a * b),
+        (Code::SubtractProduct, R(a), S(b), R(c)) => two_one(r, to, a, c, s[b as usize], |a, c, b| c - a * b),
+        (Code::SubtractProduct, R(a), R(b), S(c)) => two_one(r, to, a, b, s[c as usize], |a, b, c| c - a * b),
+        (Code::Select, S(a), R(b), S(c)) => {
+            let (otherwise, then) = (s[c as usize], s[a as usize] > T::ZERO);
+            one(r, to, b, otherwise, |b, otherwise| if then { b } else { otherwise });
+        }
+        (Code::Select, R(a), R(b), S(c)) => {
+            two_one(r, to, a, b, s[c as usize], |a, b, c| if a > T::ZERO { b } else { c });
+        }
+        _ => general(op, r, s),
+    }
+}
+
+/// `to = f(a, scalar)`.
+#[inline(always)]
+fn one<T: Lane, const C: usize, const B: usize>(
+    r: &mut [Register<T, C, B>],
+    to: usize,
+    a: u16,
+    scalar: T,
+    f: impl Fn(T, T) -> T,
+) {
+    for k in 0..B {
+        let x = r[a as usize][k];
+        r[to][k] = from_fn(|i| f(x[i], scalar));
+    }
+}
+
+/// `to = f(a, b)`.
+#[inline(always)]
+fn two<T: Lane, const C: usize, const B: usize>(
+    r: &mut [Register<T, C, B>],
+    to: usize,
+    a: u16,
+    b: u16,
+    f: impl Fn(T, T) -> T,
+) {
+    for k in 0..B {
+        let (x, y) = (r[a as usize][k], r[b as usize][k]);
+        r[to][k] = from_fn(|i| f(x[i], y[i]));
+    }
+}
+
+/// `to = f(a, b, scalar)`.
+#[inline(always)]
+fn two_one<T: Lane, const C: usize, const B: usize>(
+    r: &mut [Register<T, C, B>],
+    to: usize,
+    a: u16,
+    b: u16,
+    scalar: T,
+    f: impl Fn(T, T, T) -> T,
+) {
+    for k in 0..B {
+        let (x, y) = (r[a as usize][k], r[b as usize][k]);
+        r[to][k] = from_fn(|i| f(x[i], y[i], scalar));
+    }
+}
+
+/// `to = f(a, b, c)`.
+#[inline(always)]
+fn three<T: Lane, const C: usize, const B: usize>(
+    r: &mut [Register<T, C, B>],
+    to: usize,
+    [a, b, c]: [u16; 3],
+    f: impl Fn(T, T, T) -> T,
+) {
+    for k in 0..B {
+        let (x, y, z) = (r[a as usize][k], r[b as usize][k], r[c as usize][k]);
+        r[to][k] = from_fn(|i| f(x[i], y[i], z[i]));
+    }
+}
+
+/// Any operation with operands from anywhere: the way of the rare ones.
+fn general<T: Lane, const C: usize, const B: usize>(op: &Operation, r: &mut [Register<T, C, B>], s: &[T]) {
+    for k in 0..B {
+        let fetch = |argument: Argument| match argument {
+            Argument::Register(a) => r[a as usize][k],
+            Argument::NONE => [T::ZERO; C],
+            Argument::Scalar(a) => [s[a as usize]; C],
+        };
+        let [x, y, z] = op.arguments.map(fetch);
+        r[op.register as usize][k] = from_fn(|i| match op.code {
+            Code::Copy => x[i],
+            Code::Unary(unary) => x[i].unary(unary),
+            Code::Binary(binary) => x[i].rare(binary, y[i]),
+            Code::Select => {
+                if x[i] > T::ZERO {
+                    y[i]
+                } else {
+                    z[i]
+                }
+            }
+            Code::MultiplyAdd => x[i] * y[i] + z[i],
+            Code::MultiplySubtract => x[i] * y[i] - z[i],
+            Code::SubtractProduct => z[i] - x[i] * y[i],
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn split_is_exact() {
+        for value in [1.0, 0.75, 1e300, 3e-300, 6.02e23] {
+            let (mantissa, exponent) = f64::split(value);
+            assert!((1.0..2.0).contains(&mantissa), "{value}: mantissa {mantissa}");
+            assert_eq!(mantissa * exponent.exp2(), value, "mantissa x 2^exponent");
+        }
+        let (mantissa, exponent) = f32::split(1e-20);
+        assert_eq!(mantissa * exponent.exp2(), 1e-20, "f32");
+        assert!(f64::INFINITY.split().0.is_nan(), "overflow is not hidden");
+    }
+}

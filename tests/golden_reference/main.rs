@@ -1,0 +1,8 @@
+//! The f64 reference against values that were not computed by it: other programs, closed forms, rules worked by hand.
+//!
+//! Nothing else in kfgpu is trusted before these pass, because everything else is compared with the reference.
+
+mod joint_density;
+mod rules;
+mod support;
+mod values;

@@ -126,7 +126,7 @@ impl Sum<'_> {
         match self.objective.kind {
             Kind::Nll => self.add(Some(update.nll), components),
             Kind::MseInnovation => self.add(Some(update.nu.norm_squared()), components),
-            Kind::Nis => self.add(Some(update.nis), components),
+            Kind::Nis | Kind::NisMean => self.add(Some(update.nis), components),
             _ => {
                 if self.window.len() == self.objective.window {
                     self.window.pop_front();
@@ -164,7 +164,7 @@ impl Sum<'_> {
                     self.total
                 }
             }
-            Kind::MseInnovation | Kind::Mismatch => mean,
+            Kind::MseInnovation | Kind::Mismatch | Kind::NisMean => mean,
             Kind::Nis => (mean - 1.0).abs(),
             Kind::Nees => (mean / states - 1.0).abs(),
             Kind::Rmse => mean.sqrt(),

@@ -53,7 +53,6 @@ impl Partition {
         self.constant[..class].iter().filter(|c| c.is_none()).count()
     }
 
-
     /// For each carried value, the first entry that it stands for.
     pub(super) fn representatives(&self) -> Vec<usize> {
         let classes = (0..self.constant.len()).filter(|c| self.constant[*c].is_none());

@@ -3,7 +3,7 @@
 use kfgpu::data::{Log, simulate};
 use kfgpu::evaluate::Population;
 use kfgpu::model::{Parameters, Problem};
-use kfgpu::optimize::{Purpose, Stream};
+use kfgpu::optimize::random::{Purpose, Stream};
 use std::path::Path;
 
 /// A problem with its log and candidates.
@@ -20,7 +20,7 @@ pub struct Case {
 fn population(parameters: &Parameters) -> Population {
     let mut population = Population::new(parameters.dimension());
     for i in 0..257 {
-        let mut stream = Stream::new(1, Purpose::Initial, 0, i);
+        let mut stream = Stream::new(1, Purpose::Workload, 0, i);
         let candidate: Vec<f64> = parameters
             .searched()
             .map(|(_, s)| {
@@ -49,5 +49,8 @@ fn example(name: &str) -> Case {
 }
 
 pub fn cases() -> Vec<Case> {
-    ["nile", "rocket", "refuelling", "robot", "uav_gps_cv", "uav_gps_ca", "tum_fr2_desk"].map(example).into_iter().collect()
+    ["nile", "rocket", "refuelling", "robot", "uav_gps_cv", "uav_gps_ca", "tum_fr2_desk"]
+        .map(example)
+        .into_iter()
+        .collect()
 }

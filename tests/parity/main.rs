@@ -9,8 +9,8 @@ use kfgpu::reference;
 
 fn evaluate(case: &Case, precision: Precision) -> Evaluation {
     let options = CpuOptions { precision, threads: None };
-    let mut evaluator = CpuEvaluator::new(&case.problem, &case.log, options)
-        .unwrap_or_else(|error| panic!("{}: {error}", case.name));
+    let mut evaluator =
+        CpuEvaluator::new(&case.problem, &case.log, options).unwrap_or_else(|error| panic!("{}: {error}", case.name));
     evaluator.evaluate(&case.population)
 }
 
@@ -20,11 +20,16 @@ fn worst(case: &Case, evaluation: &Evaluation, tolerance: impl Fn(Kind, f64) -> 
     for (i, candidate) in case.population.rows().enumerate() {
         let expected = reference::costs(&case.problem, &case.log, candidate);
         let Ok(expected) = expected else {
-            assert!(!evaluation.status(i).is_ok(), "{}: the reference fails candidate {i}, the tape does not", case.name);
+            assert!(
+                !evaluation.status(i).is_ok(),
+                "{}: the reference fails candidate {i}, the tape does not",
+                case.name
+            );
             continue;
         };
         assert!(evaluation.status(i).is_ok(), "{}: the tape fails candidate {i}: {candidate:?}", case.name);
-        for ((objective, cost), expected) in case.problem.tune.objectives.iter().zip(evaluation.costs(i)).zip(expected) {
+        for ((objective, cost), expected) in case.problem.tune.objectives.iter().zip(evaluation.costs(i)).zip(expected)
+        {
             let error = (cost - expected).abs() / tolerance(objective.kind, expected);
             if std::env::var_os("KFGPU_PARITY_PRINT").is_some() && error > 1.0 {
                 println!("{} {i} {candidate:?} {}: {cost} against {expected}", case.name, objective.name());
@@ -85,7 +90,12 @@ fn populations_may_be_cut_and_shuffled() {
                 let part = evaluator.evaluate(&Population::from_rows(d, values));
                 for (at, i) in reversed.iter().enumerate() {
                     let bits = |costs: &[f64]| costs.iter().map(|c| c.to_bits()).collect::<Vec<_>>();
-                    assert_eq!(bits(part.costs(at)), bits(whole.costs(*i)), "{}: candidate {i} in blocks of {size}", case.name);
+                    assert_eq!(
+                        bits(part.costs(at)),
+                        bits(whole.costs(*i)),
+                        "{}: candidate {i} in blocks of {size}",
+                        case.name
+                    );
                 }
             }
         }

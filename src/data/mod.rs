@@ -7,6 +7,7 @@ mod lines;
 mod log;
 mod read;
 mod rows;
+mod simulate;
 mod summary;
 #[cfg(test)]
 mod tests;
@@ -14,6 +15,7 @@ mod write;
 
 pub use error::{LogError, Place};
 pub use log::{Log, Table, Trajectory};
+pub use simulate::{SimulateError, simulate};
 pub use summary::{ColumnSummary, Intervals, Summary};
 
 pub(crate) use clock::Clock;

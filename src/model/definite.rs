@@ -9,14 +9,14 @@ use super::{Expr, Problem, Symbol};
 const ROUNDING: f64 = 1e-12;
 
 /// P0 and R positive definite, Q positive semidefinite (where it has no dt); otherwise the key and what is wrong.
-pub(super) fn check(problem: &Problem) -> Result<(), (&'static str, Cause)> {
+pub(super) fn check(problem: &Problem) -> Result<(), (&'static str, Box<Cause>)> {
     let model = &problem.model;
     let values = problem.parameters.resolve(&problem.parameters.baseline());
     for (key, matrix, labels) in [("P0", &model.p0, &model.states), ("R", &model.r, &model.measurements)] {
         let matrix = evaluate(matrix, labels.len(), &values, f64::NAN);
-        defect(&matrix, labels, false).map_or(Ok(()), |detail| {
-            Err((key, Cause::NotPositive { key: format!("model.{key}"), semi: false, detail }))
-        })?;
+        if let Some(detail) = defect(&matrix, labels, false) {
+            return Err((key, Cause::NotPositive { key: format!("model.{key}"), semi: false, detail }.into()));
+        }
     }
     if model.q.iter().any(|q| q.mentions(|s| s == Symbol::Dt)) {
         return Ok(());
@@ -25,13 +25,13 @@ pub(super) fn check(problem: &Problem) -> Result<(), (&'static str, Cause)> {
 }
 
 /// Q positive semidefinite at the start values for the interval `dt`.
-pub(super) fn check_process_noise(problem: &Problem, dt: f64) -> Result<(), Cause> {
+pub(super) fn check_process_noise(problem: &Problem, dt: f64) -> Result<(), Box<Cause>> {
     let model = &problem.model;
     let values = problem.parameters.resolve(&problem.parameters.baseline());
     let matrix = evaluate(&model.q, model.states.len(), &values, dt);
     match defect(&matrix, &model.states, true) {
         None => Ok(()),
-        Some(detail) => Err(Cause::NotPositive { key: "model.Q".to_owned(), semi: true, detail }),
+        Some(detail) => Err(Cause::NotPositive { key: "model.Q".to_owned(), semi: true, detail }.into()),
     }
 }
 

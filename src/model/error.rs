@@ -12,7 +12,7 @@ pub struct ProblemError {
     /// Where in the file; `None` when the whole file, or its log, is meant.
     pub place: Option<Place>,
     /// What is wrong.
-    pub cause: Cause,
+    pub cause: Box<Cause>,
 }
 
 /// A range of one line of the problem file.
@@ -106,12 +106,12 @@ pub enum Cause {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Fault {
     pub(crate) span: Span,
-    pub(crate) cause: Cause,
+    pub(crate) cause: Box<Cause>,
 }
 
 impl Fault {
-    pub(crate) const fn new(span: Span, cause: Cause) -> Self {
-        Self { span, cause }
+    pub(crate) fn new(span: Span, cause: impl Into<Box<Cause>>) -> Self {
+        Self { span, cause: cause.into() }
     }
 
     /// "`key`: problem".
@@ -171,6 +171,13 @@ impl fmt::Display for ProblemError {
 }
 
 impl std::error::Error for ProblemError {}
+
+impl ProblemError {
+    /// About the file as a whole.
+    pub(crate) fn whole(file: &str, cause: Cause) -> Self {
+        Self { file: file.to_owned(), place: None, cause: cause.into() }
+    }
+}
 
 /// The known name most like `name`, if any is alike enough to be meant.
 pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {

@@ -1,5 +1,6 @@
 //! Models: formulas, built-in motion models, parameters, and the problem that ties them to a log.
 
+mod check_log;
 mod definite;
 mod draft;
 mod error;
@@ -10,6 +11,7 @@ mod linear;
 mod parameter;
 mod problem;
 mod read;
+mod tuned;
 
 pub use draft::{Draft, draft};
 pub use error::{Cause, Place, ProblemError};

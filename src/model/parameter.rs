@@ -64,6 +64,14 @@ impl Search {
     }
 }
 
+impl Parameter {
+    /// Whether the optimiser finds its value.
+    #[must_use]
+    pub const fn is_searched(&self) -> bool {
+        matches!(self.value, Value::Searched(_))
+    }
+}
+
 impl Parameters {
     /// The searched parameters, in order: this is the order of every candidate vector.
     pub fn searched(&self) -> impl Iterator<Item = (&Parameter, &Search)> {

@@ -9,6 +9,14 @@ fn known(place: Place<'_>, columns: &[Option<usize>], skip: usize) -> f64 {
     f64::from(u8::from(place.k >= skip && all))
 }
 
+/// The named states, or all that have truth.
+fn compared(objective: &Objective, scoring: &Scoring<'_>) -> Vec<usize> {
+    if objective.states.is_empty() {
+        return (0..scoring.states()).filter(|i| scoring.truth_column(*i).is_some()).collect();
+    }
+    objective.states.clone()
+}
+
 fn with_truth(objective: &Objective, scoring: &mut Scoring<'_>, states: &[usize], root: bool) -> Traced {
     let (columns, skip) = (states.iter().map(|i| scoring.truth_column(*i)).collect::<Vec<_>>(), objective.skip);
     let weight = scoring.weight(|place| known(place, &columns, skip));
@@ -22,7 +30,7 @@ fn with_truth(objective: &Objective, scoring: &mut Scoring<'_>, states: &[usize]
 
 /// `rmse`: squared error of the named states.
 pub(super) fn trace_rmse(objective: &Objective, scoring: &mut Scoring<'_>) -> Traced {
-    with_truth(objective, scoring, &objective.states, false)
+    with_truth(objective, scoring, &compared(objective, scoring), false)
 }
 
 /// sqrt(sum / number of rows), not divided by the number of states.
@@ -32,7 +40,7 @@ pub(super) fn finish_rmse(pools: &Pools<'_>) -> f64 {
 
 /// `distance`: Euclidean error of the named states.
 pub(super) fn trace_distance(objective: &Objective, scoring: &mut Scoring<'_>) -> Traced {
-    with_truth(objective, scoring, &objective.states, true)
+    with_truth(objective, scoring, &compared(objective, scoring), true)
 }
 
 /// The sum over rows.

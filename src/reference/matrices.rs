@@ -39,14 +39,14 @@ impl Matrices {
 
 /// y = A x + b.
 #[derive(Debug, Clone)]
-pub(super) struct Affine {
-    pub(super) matrix: DMatrix<f64>,
-    pub(super) transpose: DMatrix<f64>,
-    pub(super) offset: DVector<f64>,
+pub(crate) struct Affine {
+    pub(crate) matrix: DMatrix<f64>,
+    pub(crate) transpose: DMatrix<f64>,
+    pub(crate) offset: DVector<f64>,
 }
 
 impl Affine {
-    pub(super) fn zeros(rows: usize, columns: usize) -> Self {
+    pub(crate) fn zeros(rows: usize, columns: usize) -> Self {
         Self {
             matrix: DMatrix::zeros(rows, columns),
             transpose: DMatrix::zeros(columns, rows),
@@ -57,11 +57,11 @@ impl Affine {
 
 /// The formulas of a model with a candidate's parameters filled in.
 #[derive(Debug)]
-pub(super) struct Formulas {
-    pub(super) n: usize,
-    pub(super) m: usize,
-    pub(super) f_uses_inputs: bool,
-    pub(super) h_uses_inputs: bool,
+pub(crate) struct Formulas {
+    pub(crate) n: usize,
+    pub(crate) m: usize,
+    pub(crate) f_uses_inputs: bool,
+    pub(crate) h_uses_inputs: bool,
     parameters: Vec<f64>,
     f: Vec<Formula>,
     h: Vec<Formula>,
@@ -74,7 +74,7 @@ pub(super) struct Formulas {
 }
 
 impl Formulas {
-    pub(super) fn new(model: &Model, parameters: Vec<f64>) -> Self {
+    pub(crate) fn new(model: &Model, parameters: Vec<f64>) -> Self {
         let compile = |list: &[Expr]| list.iter().map(Formula::of).collect::<Vec<_>>();
         let (f, h) = (compile(&model.f), compile(&model.h));
         Self {
@@ -98,38 +98,38 @@ impl Formulas {
     }
 
     /// f as F x + f(0).
-    pub(super) fn transition(&mut self, dt: f64, inputs: &[f64], out: &mut Affine) {
+    pub(crate) fn transition(&mut self, dt: f64, inputs: &[f64], out: &mut Affine) {
         let scope = Scope { states: &[], parameters: &self.parameters, inputs, dt };
         linearise(&self.f, scope, &mut self.states, &mut self.stack, out);
     }
 
     /// h as H x + h(0).
-    pub(super) fn measurement(&mut self, inputs: &[f64], out: &mut Affine) {
+    pub(crate) fn measurement(&mut self, inputs: &[f64], out: &mut Affine) {
         let scope = Scope { states: &[], parameters: &self.parameters, inputs, dt: f64::NAN };
         linearise(&self.h, scope, &mut self.states, &mut self.stack, out);
     }
 
-    pub(super) fn process_noise(&mut self, dt: f64, out: &mut DMatrix<f64>) {
+    pub(crate) fn process_noise(&mut self, dt: f64, out: &mut DMatrix<f64>) {
         let scope = Scope { parameters: &self.parameters, dt, ..Scope::default() };
         fill(&self.q, &scope, &mut self.stack, out);
     }
 
-    pub(super) fn measurement_noise(&mut self, out: &mut DMatrix<f64>) {
+    pub(crate) fn measurement_noise(&mut self, out: &mut DMatrix<f64>) {
         let scope = Scope { parameters: &self.parameters, ..Scope::default() };
         fill(&self.r, &scope, &mut self.stack, out);
     }
 
-    pub(super) fn initial_covariance(&mut self, out: &mut DMatrix<f64>) {
+    pub(crate) fn initial_covariance(&mut self, out: &mut DMatrix<f64>) {
         let scope = Scope { parameters: &self.parameters, ..Scope::default() };
         fill(&self.p0, &scope, &mut self.stack, out);
     }
 
-    pub(super) const fn starts_from_measurement(&self) -> bool {
+    pub(crate) const fn starts_from_measurement(&self) -> bool {
         self.x0.is_none()
     }
 
     /// x0 where it is given by formulas; `out` is untouched when it comes from a measurement.
-    pub(super) fn initial_state(&mut self, out: &mut DVector<f64>) {
+    pub(crate) fn initial_state(&mut self, out: &mut DVector<f64>) {
         let Some(x0) = &self.x0 else { return };
         let scope = Scope { parameters: &self.parameters, ..Scope::default() };
         for (entry, formula) in out.iter_mut().zip(x0) {

@@ -38,7 +38,8 @@ impl StopReason {
     }
 }
 
-/// Why no further generation may start, if so. Looked at between generations only, so a stop never cuts one short.
+/// Why no further generation may start, if so. Looked at between generations only, so a stop never cuts one short; only
+/// an interrupt may keep generation 0 from starting.
 pub(super) fn reason(tune: &TuneSpec, record: &Record, interrupt: &AtomicBool) -> Option<StopReason> {
     let best = record.archive.best().map(|best| best.costs[0]);
     let reached = |target: f64| best.is_some_and(|best| best <= target);
@@ -46,7 +47,9 @@ pub(super) fn reason(tune: &TuneSpec, record: &Record, interrupt: &AtomicBool) -
         Some(StopReason::Interrupted)
     } else if tune.target.is_some_and(reached) {
         Some(StopReason::Target)
-    } else if tune.stall.is_some_and(|limit| record.generations > 0 && record.stalled >= limit) {
+    } else if record.generations == 0 {
+        None
+    } else if tune.stall.is_some_and(|limit| record.stalled >= limit) {
         Some(StopReason::Stall)
     } else if tune.wall_time.is_some_and(|limit| record.seconds() >= limit) {
         Some(StopReason::WallTime)

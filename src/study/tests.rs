@@ -126,7 +126,7 @@ fn every_limit_stops() {
     let (last, before) = (&target.history[target.generations - 1], &target.history[target.generations - 2]);
     assert!(target.stop == StopReason::Target && last.best <= Some(1e-3) && before.best > Some(1e-3));
     let wall_time = study(&TuneSpec { wall_time: Some(0.0), ..base.clone() });
-    assert_eq!((wall_time.stop, wall_time.generations), (StopReason::WallTime, 0));
+    assert_eq!((wall_time.stop, wall_time.generations), (StopReason::WallTime, 1), "generation 0 always runs");
     let flat = Mock::new(Landscape::Sphere).failing(|_| true);
     let stalled = TuneSpec { stall: Some(5), ..base };
     let stall = study_of(&parameters(None), &stalled, &mut { flat }).expect("an outcome");

@@ -2,7 +2,9 @@
 //!
 //! Nothing else in kfgpu is trusted before these pass, because everything else is compared with the reference.
 
+mod examples;
 mod joint_density;
 mod rules;
+mod simulated;
 mod support;
 mod values;

@@ -166,6 +166,7 @@ fn identifier(text: &str) -> String {
     if !name.starts_with(|c: char| c.is_ascii_alphabetic()) {
         name.insert(0, 'x');
     }
-    let is_reserved = name == "dt" || Function::ALL.iter().any(|(function, _)| *function == name);
+    let is_reserved =
+        matches!(name.as_str(), "dt" | "pi") || Function::ALL.iter().any(|(function, _)| *function == name);
     if is_reserved { name + "_" } else { name }
 }

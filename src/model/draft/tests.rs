@@ -150,7 +150,7 @@ fn what_cannot_be_drafted_says_why() {
 proptest! {
     #[test]
     fn any_column_names_give_a_draft_that_parses_and_reads_its_log(
-        names in prop::collection::hash_set("[a-z\"'(é#%]{1,3}|v?x|a?x|[qr]_x|x_true|dt|sqrt|state|t|id", 1..7),
+        names in prop::collection::hash_set("[a-z\"'(é#%]{1,3}|v?x|a?x|[qr]_x|x_true|dt|pi|sqrt|state|t|id", 1..7),
         cells in prop::collection::vec(prop::array::uniform7(-99_i32..99), 2..30),
     ) {
         let mut csv = csv::WriterBuilder::new().comment(Some(b'#')).from_writer(Vec::new());

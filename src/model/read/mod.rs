@@ -33,7 +33,7 @@ impl Problem {
     /// If the file cannot be read, is larger than 4 MB or not text, or [`Self::parse`] refuses it.
     pub fn open(path: &Path) -> Result<Self, ProblemError> {
         let source = path.display().to_string();
-        let fail = |cause| ProblemError { file: source.clone(), place: None, cause };
+        let fail = |cause| ProblemError::whole(&source, cause);
         let unreadable = |e: std::io::Error| fail(Cause::Unreadable { message: e.to_string() });
         let mut bytes = Vec::new();
         let file = File::open(path).map_err(unreadable)?;
@@ -77,7 +77,7 @@ impl Problem {
     pub fn parse(text: &str, source: &str) -> Result<Self, ProblemError> {
         if text.len() as u64 > MAX_BYTES {
             let cause = Cause::FileTooLarge { bytes: text.len() as u64, limit: MAX_BYTES };
-            return Err(ProblemError { file: source.to_owned(), place: None, cause });
+            return Err(ProblemError::whole(source, cause));
         }
         read(text, source).map_err(|fault| fault.locate(source, text))
     }

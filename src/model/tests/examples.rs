@@ -66,7 +66,7 @@ fn value(symbol: crate::model::Symbol, parameters: &[f64]) -> f64 {
 fn robot_em_has_full_covariances() {
     let problem = example("robot_em.toml");
     let q: Vec<f64> = problem.model.q.iter().map(|e| e.evaluate(&|_| f64::NAN)).collect();
-    assert!((q[1] - -3.154716106597410).abs() < 1e-14 && q[1].to_bits() == q[5].to_bits(), "symmetric");
+    assert!((q[1] - -3.154_716_106_597_41).abs() < 1e-14 && q[1].to_bits() == q[5].to_bits(), "symmetric");
     assert_eq!(problem.parameters.dimension(), 0);
     let mut inputs = 0;
     problem.model.f[4].symbols(&mut |s| inputs += usize::from(s == crate::model::Symbol::Input(4)));

@@ -1,6 +1,7 @@
 //! The whole registry on the mock evaluator.
 
 mod local;
+mod refuelling;
 mod steps;
 
 use super::*;

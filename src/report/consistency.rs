@@ -1,0 +1,134 @@
+//! Whether a filter can be trusted: NIS, whiteness of the innovations, parameters at their bounds.
+//!
+//! Bar-Shalom, Li and Kirubarajan (2001), *Estimation with Applications to Tracking and Navigation*, section 5.4.
+//! A mean NIS of 1 alone proves little: a search can reach it with a wrong model by inflating one noise against
+//! another, which is when the innovations are correlated and a parameter runs to its bound.
+
+mod band;
+mod verdict;
+mod whiteness;
+
+use std::fmt;
+
+use serde::Serialize;
+
+use crate::data::Log;
+use crate::model::Problem;
+use crate::reference::{Run, Step};
+
+use band::Band;
+pub use verdict::{Finding, Verdict};
+pub use whiteness::Whiteness;
+
+/// Measured rows of each trajectory after which P0 and x0 are taken to be forgotten.
+const SETTLING: usize = 20;
+
+/// The consistency of one filter run. Means are per degree of freedom: 1 is ideal, NaN (JSON `null`) is no data.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Consistency {
+    /// Sum of NIS / number of present components.
+    pub nis_mean: f64,
+    /// Lower end of its two-sided 95 % chi-square band.
+    pub nis_low: f64,
+    /// Upper end.
+    pub nis_high: f64,
+    /// Mean NIS without the first 20 measured rows of each trajectory, which tells a wrong P0 from wrong Q and R.
+    pub nis_settled: f64,
+    /// Number of present components.
+    pub components: usize,
+    /// Headline of [`Self::findings`].
+    pub verdict: Verdict,
+    /// Everything that holds, the headline first; never empty.
+    pub findings: Vec<Finding>,
+    /// One entry per measurement.
+    pub whiteness: Vec<Whiteness>,
+    /// NEES, where truth of all states is there.
+    pub nees: Option<Nees>,
+}
+
+/// Normalised estimation error squared over a run. It informs and does not decide: state errors of neighbouring rows
+/// are correlated, so over one run its mean scatters more than the band says.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Nees {
+    /// Sum of NEES / (n x rows with truth of all states).
+    pub nees_mean: f64,
+    /// Lower end of the 95 % chi-square band for independent rows.
+    pub nees_low: f64,
+    /// Upper end.
+    pub nees_high: f64,
+    /// Rows with truth of all states.
+    pub rows: usize,
+}
+
+impl Consistency {
+    /// Judges the run of `candidate` (searched parameters in their own units) over `log`.
+    #[must_use]
+    pub fn of(problem: &Problem, log: &Log, candidate: &[f64], run: &Run) -> Self {
+        let (sum, components) = run.nis_sum(0);
+        let nis = Band::of(sum, whiteness::number(components));
+        let mut consistency = Self {
+            nis_mean: nis.mean,
+            nis_low: nis.low,
+            nis_high: nis.high,
+            nis_settled: nis_settled(run),
+            components,
+            verdict: Verdict::NothingMeasured,
+            findings: Vec::new(),
+            whiteness: Whiteness::of(log, run),
+            nees: Nees::of(problem.model.states.len(), run),
+        };
+        consistency.findings = verdict::findings(&consistency, &problem.parameters, candidate);
+        if let Some(headline) = consistency.findings.first() {
+            consistency.verdict = headline.verdict;
+        }
+        consistency
+    }
+
+    /// Whether nothing is wrong.
+    #[must_use]
+    pub fn is_consistent(&self) -> bool {
+        self.verdict == Verdict::Consistent
+    }
+}
+
+fn nis_settled(run: &Run) -> f64 {
+    let updates = |steps| <[Step]>::iter(steps).filter_map(|s| s.update.as_ref()).skip(SETTLING);
+    let later = run.trajectories.iter().flat_map(|steps| updates(steps));
+    let (sum, components) = later.fold((0.0, 0), |(sum, count), u| (sum + u.nis, count + u.present.len()));
+    sum / whiteness::number(components)
+}
+
+impl Nees {
+    fn of(states: usize, run: &Run) -> Option<Self> {
+        let (sum, rows) = run.nees_sum(0);
+        let band = Band::of(sum, whiteness::number(rows * states));
+        let nees = Self { nees_mean: band.mean, nees_low: band.low, nees_high: band.high, rows };
+        (rows > 0).then_some(nees)
+    }
+}
+
+impl fmt::Display for Consistency {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}", self.verdict)?;
+        let Self { nis_mean, nis_low, nis_high, components, .. } = self;
+        writeln!(f, "  NIS   {nis_mean:.3}  (95 % band {nis_low:.3}..{nis_high:.3}, {components} components)")?;
+        if let Some(Nees { nees_mean, nees_low, nees_high, rows }) = self.nees {
+            writeln!(
+                f,
+                "  NEES  {nees_mean:.3}  (95 % band of independent rows {nees_low:.3}..{nees_high:.3}, {rows} rows)"
+            )?;
+        }
+        for w in &self.whiteness {
+            let Whiteness { measurement, band, p_value, autocorrelation, .. } = w;
+            let (lag, lags) = (w.lag_1(), autocorrelation.len());
+            writeln!(
+                f,
+                "  white {measurement}: lag 1 {lag:+.3} (band {band:.3}), Ljung-Box over {lags} lags p = {p_value:.2e}"
+            )?;
+        }
+        for finding in &self.findings {
+            writeln!(f, "  {}: {}", finding.verdict, finding.advice)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,47 @@
+//! Chi-square bands.
+
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+/// A mean of chi-square variables per degree of freedom, beside the band that holds 95 % of them.
+///
+/// The sum of `degrees` degrees of freedom is chi-square; all three numbers are divided by `degrees`. NaN without data.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Band {
+    pub(super) mean: f64,
+    pub(super) low: f64,
+    pub(super) high: f64,
+}
+
+impl Band {
+    /// Of a sum with `degrees` degrees of freedom.
+    pub(super) fn of(sum: f64, degrees: f64) -> Self {
+        let quantile = |p| ChiSquared::new(degrees).map_or(f64::NAN, |chi2| chi2.inverse_cdf(p) / degrees);
+        Self { mean: sum / degrees, low: quantile(0.025), high: quantile(0.975) }
+    }
+}
+
+/// Probability that chi-square with `degrees` degrees of freedom exceeds `value`.
+pub(super) fn exceedance(value: f64, degrees: f64) -> f64 {
+    ChiSquared::new(degrees).map_or(f64::NAN, |chi2| chi2.sf(value))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// scipy 1.16: `scipy.stats.chi2.ppf([0.025, 0.975], n) / n`; for n = 1e6 the normal limit 1 -+ 1.96 sqrt(2 / n).
+    #[test]
+    fn quantiles() {
+        for (degrees, low, high, tolerance) in [
+            (10.0, 0.324_697_3, 2.048_317_7, 1e-6),
+            (100.0, 0.742_219_3, 1.295_612_0, 1e-6),
+            (1e6, 0.997_229, 1.002_773, 5e-6),
+        ] {
+            let band = Band::of(degrees, degrees);
+            assert!((band.low - low).abs() < tolerance, "{degrees}: low {}", band.low);
+            assert!((band.high - high).abs() < tolerance, "{degrees}: high {}", band.high);
+        }
+        assert!((exceedance(31.410_433, 20.0) - 0.05).abs() < 1e-8, "the 95 % quantile of 20 degrees");
+        assert!(Band::of(0.0, 0.0).low.is_nan(), "no data, no band");
+    }
+}

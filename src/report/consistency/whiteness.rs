@@ -1,0 +1,162 @@
+//! Whiteness of the innovations.
+
+use nalgebra::Cholesky;
+use serde::Serialize;
+
+use super::band::exceedance;
+use crate::data::Log;
+use crate::reference::{Run, Update};
+
+/// Most lags tested.
+const LAGS: usize = 20;
+/// Fewest pairs that a lag is estimated from.
+const PAIRS: usize = 5;
+/// Autocorrelation below which a significant one changes no decision: it costs about its square, 1 %, in variance.
+const PRACTICAL: f64 = 0.1;
+/// Share of white logs that the test may call correlated, over all measurements together.
+const SIGNIFICANCE: f64 = 0.05;
+
+/// Autocorrelation of one measurement's normalised innovations.
+///
+/// A row's innovations nu are normalised **jointly**: L^-1 nu with S = L L' (Cholesky, over the present components, in
+/// the order of the measurements), which has unit covariance when the filter is right. Lags count the present values
+/// of this measurement; pairs never cross trajectories. The mean is not subtracted, so a bias shows as correlation.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Whiteness {
+    /// Name of the measurement.
+    pub measurement: String,
+    /// Number N of its present values.
+    pub count: usize,
+    /// Autocorrelation at lag 1, 2, ... min(20, N / 5); shorter where trajectories are too short for it.
+    pub autocorrelation: Vec<f64>,
+    /// 95 % of autocorrelations of white innovations lie within plus or minus this, 1.96 / sqrt(N).
+    pub band: f64,
+    /// Ljung-Box statistic over those lags (doi:10.1093/biomet/65.2.297).
+    pub ljung_box: f64,
+    /// Probability of a larger one if the innovations are white; NaN when there is no lag to test.
+    pub p_value: f64,
+    /// Whether they count as correlated: p below 0.05 / m, **and** an autocorrelation of at least 0.1 in magnitude.
+    pub correlated: bool,
+}
+
+impl Whiteness {
+    /// One entry per measurement that has any value.
+    pub(super) fn of(log: &Log, run: &Run) -> Vec<Self> {
+        let m = log.measurements.len();
+        let mut series = vec![vec![Vec::new(); run.trajectories.len()]; m];
+        for (t, steps) in run.trajectories.iter().enumerate() {
+            for update in steps.iter().filter_map(|s| s.update.as_ref()) {
+                for (&i, value) in update.present.iter().zip(normalised(update)) {
+                    series[i][t].push(value);
+                }
+            }
+        }
+        let named = log.measurements.iter().zip(&series);
+        named.filter_map(|(name, series)| Self::of_series(name, series, m)).collect()
+    }
+
+    fn of_series(name: &str, series: &[Vec<f64>], tests: usize) -> Option<Self> {
+        let n: usize = series.iter().map(Vec::len).sum();
+        let power: f64 = series.iter().flatten().map(|v| v * v).sum();
+        if n == 0 {
+            return None;
+        }
+        let (count, mut autocorrelation, mut ljung_box) = (number(n), Vec::new(), 0.0);
+        for lag in 1..=LAGS.min(n / 5) {
+            let pairs = || series.iter().flat_map(|s| s.iter().zip(s.iter().skip(lag)));
+            let number_of_pairs = pairs().count();
+            if number_of_pairs < PAIRS {
+                break;
+            }
+            // For one trajectory N_l = N - l, and the sum is N (N + 2) sum r_l^2 / (N - l) of the biased r_l.
+            let available = number(number_of_pairs);
+            let r = pairs().map(|(a, b)| a * b).sum::<f64>() / available / (power / count);
+            ljung_box += available * (count + 2.0) / count * r * r;
+            autocorrelation.push(r);
+        }
+        let p_value = exceedance(ljung_box, number(autocorrelation.len()));
+        let largest = autocorrelation.iter().fold(0.0f64, |max, r| max.max(r.abs()));
+        let correlated = p_value < SIGNIFICANCE / number(tests) && largest >= PRACTICAL;
+        let band = 1.96 / count.sqrt();
+        Some(Self { measurement: name.into(), count: n, autocorrelation, band, ljung_box, p_value, correlated })
+    }
+
+    /// Autocorrelation at lag 1; NaN when there are too few values.
+    #[must_use]
+    pub fn lag_1(&self) -> f64 {
+        self.autocorrelation.first().copied().unwrap_or(f64::NAN)
+    }
+}
+
+/// L^-1 nu; empty when S has no factor (which a finished run rules out).
+fn normalised(update: &Update) -> Vec<f64> {
+    let factor = Cholesky::new(update.s.clone());
+    let white = factor.and_then(|c| c.l_dirty().solve_lower_triangular(&update.nu));
+    white.map_or_else(Vec::new, |v| v.as_slice().to_vec())
+}
+
+#[expect(clippy::cast_precision_loss, reason = "no log has 2^53 rows")]
+pub(super) fn number(length: usize) -> f64 {
+    length as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optimize::random::{Purpose, Stream};
+    use rand_distr::{Distribution, StandardNormal};
+
+    fn noise(index: u64, n: usize) -> Vec<f64> {
+        let mut stream = Stream::new(5, Purpose::Workload, 0, index);
+        (0..n).map(|_| StandardNormal.sample(&mut stream)).collect()
+    }
+
+    /// v_k = a v_{k-1} + w_k.
+    fn autoregressive(a: f64, n: usize) -> Vec<f64> {
+        noise(1, n)
+            .into_iter()
+            .scan(0.0, |v, w| {
+                *v = a * *v + w;
+                Some(*v)
+            })
+            .collect()
+    }
+
+    fn whiteness(series: &[Vec<f64>]) -> Whiteness {
+        Whiteness::of_series("z", series, 1).expect("there are values")
+    }
+
+    /// By hand: 1, 2, 2, -1, 1, ... repeated, lag 1, against the textbook formula N (N + 2) r^2 / (N - 1).
+    #[test]
+    fn ljung_box_of_a_short_series() {
+        let found = whiteness(&[vec![1.0, 2.0, 2.0, -1.0, 1.0, 0.0]]);
+        let biased: f64 = (2.0 + 4.0 - 2.0 - 1.0 + 0.0) / 11.0;
+        assert_eq!(found.autocorrelation.len(), 1, "6 / 5 = 1 lag");
+        assert!((found.lag_1() - biased * 6.0 / 5.0).abs() < 1e-15, "lag 1 is {}", found.lag_1());
+        assert!((found.ljung_box - 6.0 * 8.0 * biased.powi(2) / 5.0).abs() < 1e-14, "Q is {}", found.ljung_box);
+    }
+
+    #[test]
+    fn white_noise_passes_about_as_often_as_it_should() {
+        let failures = (0..400).filter(|i| whiteness(&[noise(*i, 200)]).p_value < 0.05).count();
+        assert!((5..=40).contains(&failures), "{failures} of 400 white logs rejected at 5 %");
+    }
+
+    #[test]
+    fn correlation_is_found_but_not_across_trajectories() {
+        let found = whiteness(&[autoregressive(0.74, 300)]);
+        assert!(found.correlated && (found.lag_1() - 0.74).abs() < 0.15, "lag 1 is {}", found.lag_1());
+        // 150 trajectories of two equal and opposite values, every pair within one: strong at lag 1, which is all there is.
+        let pairs: Vec<_> = noise(2, 150).into_iter().map(|v| vec![v, -v]).collect();
+        let found = whiteness(&pairs);
+        assert_eq!(found.autocorrelation.len(), 1, "no trajectory has a pair at lag 2");
+        assert!((found.lag_1() + 1.0).abs() < 1e-12, "lag 1 is {}", found.lag_1());
+    }
+
+    #[test]
+    fn a_tiny_correlation_of_very_many_rows_does_not_count() {
+        let found = whiteness(&[autoregressive(0.04, 100_000)]);
+        assert!(found.p_value < 1e-6, "it is significant, p = {}", found.p_value);
+        assert!(!found.correlated, "but too small to matter: {:?}", found.autocorrelation);
+    }
+}

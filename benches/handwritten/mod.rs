@@ -29,6 +29,7 @@ impl Sums {
     }
 
     /// Log-likelihood [nats], mean squared innovation, sum of NIS / rows.
+    #[allow(dead_code, reason = "the benchmarks time the sums; the golden tests compare the scores")]
     pub(crate) fn score(self, rows: usize, measurements: usize) -> [f64; 3] {
         let components = (rows * measurements) as f64;
         let log_likelihood = -0.5 * (components * std::f64::consts::TAU.ln() + self.log_det + self.nis);

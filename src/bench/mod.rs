@@ -7,6 +7,7 @@ mod run;
 mod workload;
 
 pub use candidates::candidates;
+pub use process::cpu_time;
 pub use report::Report;
 pub use run::{BenchError, Options, Subject, run};
 pub use workload::Workload;

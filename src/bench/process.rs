@@ -2,9 +2,10 @@
 
 use std::time::Duration;
 
-/// CPU time of all threads so far; `None` where the system does not tell.
+/// CPU time of all threads of this process so far; `None` where the system does not tell.
 #[cfg(unix)]
-pub(super) fn cpu_time() -> Option<Duration> {
+#[must_use]
+pub fn cpu_time() -> Option<Duration> {
     let time = nix::time::clock_gettime(nix::time::ClockId::CLOCK_PROCESS_CPUTIME_ID).ok()?;
     Some(Duration::from(time))
 }
@@ -19,8 +20,10 @@ pub(super) fn peak_memory_mib() -> Option<u64> {
     u64::try_from(peak).ok().map(|peak| peak / unit)
 }
 
+/// CPU time of all threads of this process so far; `None` where the system does not tell.
 #[cfg(not(unix))]
-pub(super) fn cpu_time() -> Option<Duration> {
+#[must_use]
+pub fn cpu_time() -> Option<Duration> {
     None
 }
 

@@ -61,7 +61,8 @@ fn constant_velocity_is_not_called_consistent_on_the_uav() {
         let tuned = candidate(r)(best_q(&problem, &log, candidate(r)));
         (costs(&problem, &log, &tuned).expect("runs")[0], tuned)
     };
-    let (bound, inside) = (at(1e-3), at(1e-1));
+    let lower = problem.parameters.searched().find(|(p, _)| p.name == "r").expect("r is searched").1.min;
+    let (bound, inside) = (at(lower), at(1e-1));
     assert!(bound.0 < inside.0, "the likelihood prefers the bound: nll {} against {}", bound.0, inside.0);
     let found = consistency(&problem, &log, &bound.1);
     println!("{found}");

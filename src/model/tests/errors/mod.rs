@@ -75,6 +75,15 @@ fn the_sound_problem_is_accepted() {
 }
 
 #[test]
+fn a_byte_order_mark_and_windows_line_ends_change_nothing() {
+    let text = format!("\u{feff}{}", SOUND.replace('\n', "\r\n"));
+    let problem = Problem::parse(&text, "p.toml").unwrap_or_else(|e| panic!("{e}"));
+    assert!(problem.tuned(&[2.0, 3.0]).contains("start = 2.0"), "{}", problem.tuned(&[2.0, 3.0]));
+    let error = error(&text.replace("h = [\"p\"]", "h = [\"p + w\"]")).to_string();
+    assert!(error.starts_with("p.toml:11:11: ") && !error.contains('\r'), "{error}");
+}
+
+#[test]
 fn the_whole_message() {
     let text = SOUND.replace("[\"p\"]", "[\"p + w\"]");
     let expected = "\

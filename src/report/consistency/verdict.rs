@@ -4,7 +4,8 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::{Consistency, SETTLING};
+use super::Consistency;
+use super::evidence::SETTLING;
 use crate::model::{Parameters, Search};
 use crate::report::Bound;
 

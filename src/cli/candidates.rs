@@ -177,7 +177,8 @@ mod tests {
 
     #[test]
     fn what_has_arrived_is_a_batch() {
-        let mut candidates = Candidates::open(Pieces(vec!["q,r\n", "1,2\n\n", "3,4\n5,6\n"]), "-", &["q", "r"]).unwrap();
+        let mut candidates =
+            Candidates::open(Pieces(vec!["q,r\n", "1,2\n\n", "3,4\n5,6\n"]), "-", &["q", "r"]).unwrap();
         let sizes: Vec<usize> = std::iter::from_fn(|| candidates.next_batch().unwrap()).map(|b| b.len()).collect();
         assert_eq!(sizes, [1, 2]);
     }

@@ -16,6 +16,7 @@ use serde::Serialize;
 use crate::data::Log;
 use crate::model::Problem;
 use crate::reference::Run;
+use crate::report::short;
 
 pub use evidence::Evidence;
 pub use verdict::{Finding, Verdict};
@@ -79,12 +80,14 @@ impl Consistency {
 impl fmt::Display for Consistency {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", self.verdict)?;
-        let Self { nis_mean, nis_low, nis_high, components, .. } = self;
-        writeln!(f, "  NIS   {nis_mean:.3}  (95 % band {nis_low:.3}..{nis_high:.3}, {components} components)")?;
+        let Self { nis_low, nis_high, components, .. } = self;
+        let nis_mean = short(self.nis_mean, 4);
+        writeln!(f, "  NIS   {nis_mean}  (95 % band {nis_low:.3}..{nis_high:.3}, {components} components)")?;
         if let Some(Nees { nees_mean, nees_low, nees_high, rows }) = self.nees {
+            let nees_mean = short(nees_mean, 4);
             writeln!(
                 f,
-                "  NEES  {nees_mean:.3}  (95 % band of independent rows {nees_low:.3}..{nees_high:.3}, {rows} rows)"
+                "  NEES  {nees_mean}  (95 % band of independent rows {nees_low:.3}..{nees_high:.3}, {rows} rows)"
             )?;
         }
         for w in &self.whiteness {

@@ -49,7 +49,7 @@ impl fmt::Display for Matrix {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[expect(non_snake_case, reason = "Kalman notation: F, H, Q, R, K")]
 pub struct Matrices {
-    /// Interval that F, Q and a steady K are for [s]: the log's, or its median.
+    /// Interval that F, Q and a steady K are for \[s\]: the log's, or its median.
     pub dt: f64,
     /// Transition, n x n, inputs at zero.
     pub F: Matrix,

@@ -16,7 +16,7 @@ pub enum Covariance {
     Diagonal,
 }
 
-/// Writes trajectory (where the log has them), time [s], posterior states, covariance `P_a_b`, prior innovations
+/// Writes trajectory (where the log has them), time \[s\], posterior states, covariance `P_a_b`, prior innovations
 /// `nu_z`, their variances `S_z`, and `nis`. A cell is empty where nothing was measured; numbers read back bit for bit.
 #[derive(Debug)]
 pub struct RunTable<'a, W: Write> {

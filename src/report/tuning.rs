@@ -35,9 +35,9 @@ pub struct Effort {
     pub stop: StopReason,
     /// Where candidates were computed.
     pub device: Device,
-    /// The whole study [s].
+    /// The whole study \[s\].
     pub wall_s: f64,
-    /// The part of it spent evaluating [s].
+    /// The part of it spent evaluating \[s\].
     pub evaluate_s: f64,
     /// What the user should look at.
     pub warnings: Vec<String>,

@@ -111,6 +111,7 @@ impl Tune {
         let folder = self.out.as_deref().map(OutFolder::prepare).transpose()?;
         let (outcome, device) = self.study(&problem, &log, console)?;
 
+        let said = warnings.len();
         let effort = Effort::of(&problem, &log, &outcome, device, warnings);
         let Some(winner) = &outcome.winner else { return self.report_nothing(effort, &outcome, folder.as_ref()) };
         let tuning = Tuning::of(effort, &problem, &log, winner)?;
@@ -123,6 +124,7 @@ impl Tune {
         } else {
             files::print(&tuning.to_string())?;
         }
+        tuning.effort.warnings[said..].iter().for_each(|warning| console.warn(warning));
         let interrupted = outcome.stop == StopReason::Interrupted;
         Ok(if interrupted { Ending::Interrupted } else { Ending::Done })
     }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Bound, Consistency, Evidence, Matrices, Named, matrices, raw_rmse};
+use super::{Bound, Consistency, Evidence, Matrices, Named, Warning, matrices, raw_rmse};
 use crate::data::Log;
 use crate::evaluate::Device;
 use crate::model::Problem;
@@ -203,7 +203,7 @@ impl Tuning {
             .zip(&winner.candidate)
             .filter_map(|((parameter, search), value)| Some((parameter.name.clone(), Bound::of(search, *value)?)));
         let raw = problem.tune.objectives.iter().filter_map(|o| Some((o.name(), raw_rmse(problem, log, o)?)));
-        Ok(Self {
+        let mut tuning = Self {
             effort,
             parameters: parameters(problem, &winner.candidate),
             at_bound: at_bound.collect(),
@@ -217,7 +217,10 @@ impl Tuning {
             polish: winner.polish.as_ref().map(|polish| Polish::of(problem, polish)),
             matrices: Matrices::of(problem, log, &winner.candidate, last_gain),
             raw_measurements: raw.collect(),
-        })
+        };
+        let found = Warning::of(&tuning);
+        tuning.effort.warnings.extend(found.iter().map(ToString::to_string));
+        Ok(tuning)
     }
 }
 

@@ -23,6 +23,7 @@ use crate::study::{self, Judge, Observer, Outcome, StopReason, Study};
 ///
 /// With no file, tunes a built-in example (the level of the Nile, 1871-1970) on data that ships with the program.
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub(super) struct Tune {
     /// Problem file (TOML; `kfgpu init LOG.csv` writes one).
     problem: Option<PathBuf>,
@@ -87,7 +88,7 @@ struct Search {
     stall: Option<i64>,
 
     /// Stop when the first objective is at or below this, in its own unit (default: the file's `tune.stop.target`, or none).
-    #[arg(long, value_name = "COST", allow_negative_numbers = true)]
+    #[arg(long, value_name = "COST")]
     target: Option<f64>,
 
     /// Leave out the local search in f64 that ends a study of one objective (default: as the file's `tune.polish`,

@@ -8,6 +8,7 @@ use kfgpu::bench::Workload;
 use nalgebra::{SMatrix, SVector};
 
 /// The baseline of each workload.
+#[expect(clippy::large_enum_variant, reason = "one is made a workload")]
 pub(crate) enum Baseline {
     A(Linear<3, 1>),
     B(Linear<6, 3>),

@@ -60,8 +60,7 @@ impl Tuning {
         for (name, tuned) in self.parameters.iter() {
             let note = self.at_bound.get(name).map_or_else(String::new, |bound| format!("at its {bound} bound"));
             let unit = self.effort.units.get(name).cloned().flatten().unwrap_or_default();
-            let baseline =
-                self.effort.baseline.parameters.get(name).map_or_else(String::new, |v| short(*v, DIGITS));
+            let baseline = self.effort.baseline.parameters.get(name).map_or_else(String::new, |v| short(*v, DIGITS));
             table.push([name.to_owned(), unit, baseline, short(*tuned, DIGITS), note]);
         }
         table

@@ -25,7 +25,7 @@ impl Baseline {
         }
     }
 
-    /// Log-likelihood [nats], mean squared innovation per component and sum of NIS / rows of one candidate.
+    /// Log-likelihood \[nats\], mean squared innovation per component and sum of NIS / rows of one candidate.
     pub(crate) fn score(&self, candidate: &[f64]) -> [f64; 3] {
         self.run(candidate, |score, _| score)
     }

@@ -137,7 +137,7 @@ fn components(log: &Log) -> f64 {
     log.trajectories.iter().map(present).sum::<usize>() as f64
 }
 
-/// Timed evaluations [s].
+/// Timed evaluations, in seconds.
 struct Times {
     wall: Vec<f64>,
     cpu: Vec<f64>,

@@ -57,7 +57,7 @@ pub enum LogError {
     #[error("{place}: is not UTF-8 (convert the file, for example with `iconv -f latin1 -t utf-8`)")]
     NotUtf8 { place: Place },
     /// A row has more or fewer cells than the header.
-    #[error("{place}: {found} values, expected {expected}, one for each column of the header{hint}")]
+    #[error("{place}: expected as many cells as the header has, {expected}, found {found}{hint}")]
     Ragged { place: Place, found: usize, expected: usize, hint: &'static str },
     /// Text where a number belongs.
     #[error("{place}: column {column:?}: expected a number, found {found:?} ({remedy})")]

@@ -35,6 +35,11 @@ impl Log {
 
     /// Reads a log from any reader; `source` stands for it in messages. Memory stays at the log itself plus one row.
     ///
+    /// The text is UTF-8 with a header line; `,`, `;` or tab part the cells, double quotes may enclose one, `#` starts a
+    /// comment line, blank lines are skipped. An empty cell, `NaN`, `NA` or `null` is a missing value (in a log of one
+    /// column, write `NaN` or `""`). Times are seconds, or ISO-8601 (UTC without a zone), which become seconds since the
+    /// first row.
+    ///
     /// # Errors
     /// [`LogError`], with the line and the character that is to blame.
     pub fn read(spec: &DataSpec, mut reader: impl Read, source: &str) -> Result<Self, LogError> {

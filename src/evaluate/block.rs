@@ -39,22 +39,22 @@ fn run_block<T: Lane, const C: usize, const B: usize>(rounded: &Rounded<T>, cand
     let n = candidates.len() / d;
     let width = program.totals();
     let mut totals = Totals { sums: vec![0.0; n * program.spans.len() * width], status: vec![Status::OK; n] };
-    let mut registers = vec![[[T::ZERO; C]; B]; program.step.registers];
-    let mut prologue = vec![[[0.0; C]; B]; program.prologue.registers];
+    let mut registers = vec![Register::<T, C, B>::splat(T::ZERO); program.step.registers];
+    let mut prologue = vec![Register::<f64, C, B>::splat(0.0); program.prologue.registers];
     for (t, span) in program.spans.iter().enumerate() {
         for lane in 0..B * C {
             let candidate = &candidates[lane.min(n - 1) * d..][..d];
-            candidate.iter().enumerate().for_each(|(p, v)| prologue[p][lane / C][lane % C] = *v);
+            candidate.iter().enumerate().for_each(|(p, v)| prologue[p].lanes_mut()[lane] = *v);
         }
         run(&program.prologue.operations, &mut prologue, &span.scalars);
         start(program, &prologue, &mut registers);
-        let mut sums = vec![[[0.0; C]; B]; width];
+        let mut sums = vec![Register::<f64, C, B>::splat(0.0); width];
         run_rows(rounded, span.rows.clone(), &mut registers, &mut sums);
         finish(program, &registers, &mut sums);
         for lane in 0..n {
             let at = (lane * program.spans.len() + t) * width;
-            sums.iter().zip(&mut totals.sums[at..at + width]).for_each(|(s, to)| *to = s[lane / C][lane % C]);
-            if check(program, &registers)[lane / C][lane % C] <= T::ZERO {
+            sums.iter().zip(&mut totals.sums[at..at + width]).for_each(|(s, to)| *to = s.lanes()[lane]);
+            if check(program, &registers).lanes()[lane] <= T::ZERO {
                 totals.status[lane] = totals.status[lane].union(Status::NOT_POSITIVE);
             }
         }
@@ -70,16 +70,16 @@ fn start<T: Lane, const C: usize, const B: usize>(
     registers: &mut [Register<T, C, B>],
 ) {
     let mut results = prologue[program.parameters..].iter();
-    let mut result = || results.next().map(|r| r.map(|chunk| chunk.map(T::from_f64)));
+    let mut result = || results.next().map(|r| r.map(T::from_f64));
     for (i, carried) in program.carried.iter().enumerate() {
         registers[i] = match carried.role {
-            Role::State => result().unwrap_or([[T::ZERO; C]; B]),
-            Role::Sum => [[T::ZERO; C]; B],
-            Role::Product | Role::Check => [[T::ONE; C]; B],
+            Role::State => result().unwrap_or(Register::splat(T::ZERO)),
+            Role::Sum => Register::splat(T::ZERO),
+            Role::Product | Role::Check => Register::splat(T::ONE),
         };
     }
     for register in &mut registers[program.carried.len()..][..program.invariants] {
-        *register = result().unwrap_or([[T::ZERO; C]; B]);
+        *register = result().unwrap_or(Register::splat(T::ZERO));
     }
 }
 
@@ -124,12 +124,10 @@ fn split_products<T: Lane, const C: usize, const B: usize>(
         if role != Role::Product {
             continue;
         }
-        for (chunk, sum) in registers[i].iter_mut().zip(sum) {
-            for (product, sum) in chunk.iter_mut().zip(sum) {
-                let (mantissa, exponent) = product.split();
-                *product = mantissa;
-                *sum += exponent.to_f64();
-            }
+        for (product, sum) in registers[i].lanes_mut().iter_mut().zip(sum.lanes_mut()) {
+            let (mantissa, exponent) = product.split();
+            *product = mantissa;
+            *sum += exponent.to_f64();
         }
     }
 }
@@ -145,11 +143,9 @@ fn move_sums<T: Lane, const C: usize, const B: usize>(
         if role != Role::Sum {
             continue;
         }
-        for (chunk, sum) in registers[i].iter_mut().zip(sum) {
-            for (part, sum) in chunk.iter_mut().zip(sum) {
-                *sum += part.to_f64();
-                *part = T::ZERO;
-            }
+        for (part, sum) in registers[i].lanes_mut().iter_mut().zip(sum.lanes_mut()) {
+            *sum += part.to_f64();
+            *part = T::ZERO;
         }
     }
 }
@@ -161,7 +157,7 @@ fn finish<T: Lane, const C: usize, const B: usize>(
     sums: &mut [Register<f64, C, B>],
 ) {
     for ((i, role), sum) in slots(program).zip(sums) {
-        for (rest, sum) in registers[i].as_flattened().iter().zip(sum.as_flattened_mut()) {
+        for (rest, sum) in registers[i].lanes().iter().zip(sum.lanes_mut()) {
             *sum = match role {
                 Role::Product => rest.to_f64().ln() + *sum * std::f64::consts::LN_2,
                 _ => *sum + rest.to_f64(),

@@ -9,12 +9,14 @@ use super::{Expr, Problem, Symbol};
 const ROUNDING: f64 = 1e-12;
 
 /// P0 and R positive definite, Q positive semidefinite (where it has no dt); otherwise the key and what is wrong.
-pub(super) fn check(problem: &Problem) -> Result<(), (&'static str, Box<Cause>)> {
+///
+/// A `factored` matrix M M' is never indefinite, but may round to a singular one: that is left to each candidate's status.
+pub(super) fn check(problem: &Problem, factored: &[&str]) -> Result<(), (&'static str, Box<Cause>)> {
     let model = &problem.model;
     let values = problem.parameters.resolve(&problem.parameters.baseline());
     for (key, matrix, labels) in [("P0", &model.p0, &model.states), ("R", &model.r, &model.measurements)] {
         let matrix = evaluate(matrix, labels.len(), &values, f64::NAN);
-        if let Some(detail) = defect(&matrix, labels, false) {
+        if let Some(detail) = defect(&matrix, labels, factored.contains(&key)) {
             return Err((key, Cause::NotPositive { key: format!("model.{key}"), semi: false, detail }.into()));
         }
     }
@@ -73,7 +75,5 @@ fn smallest(matrix: &DMatrix<f64>) -> f64 {
 }
 
 fn advice(eigenvalue: f64) -> String {
-    format!(
-        "its smallest eigenvalue is {eigenvalue:.3e} (make the off-diagonal entries smaller, or give its factor a start)"
-    )
+    format!("its smallest eigenvalue is {eigenvalue:.3e} (make the off-diagonal entries smaller)")
 }

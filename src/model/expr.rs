@@ -42,7 +42,7 @@ pub enum Symbol {
     Parameter(usize),
     /// Input `i` of [`super::Model::inputs`].
     Input(usize),
-    /// Interval to the next row [s].
+    /// Interval to the next row in seconds.
     Dt,
 }
 

@@ -18,7 +18,6 @@ pub use error::{Cause, Place, ProblemError};
 pub use expr::{Binary, Expr, ExprKind, Function, Span, Symbol};
 pub use parameter::{Parameter, Parameters, Scale, Search, Value};
 pub use problem::{DataSpec, FilterKind, First, Model, Problem, SimulateSpec, Start, TuneSpec};
-pub use read::ALGORITHM_NAMES;
 
 #[cfg(test)]
 mod tests;

@@ -86,7 +86,7 @@ pub enum First {
     Update,
     /// One step of `dt` before it; `None` = the log's regular interval.
     Predict {
-        /// `first_dt` [s].
+        /// `first_dt` in seconds.
         dt: Option<f64>,
     },
 }
@@ -113,7 +113,7 @@ pub struct TuneSpec {
     pub seed: u64,
     /// Stop after this many evaluations.
     pub evaluations: Option<u64>,
-    /// Stop after this long [s].
+    /// Stop after this long in seconds.
     pub wall_time: Option<f64>,
     /// Stop after this many generations without a relative gain of 1e-9.
     pub stall: Option<usize>,
@@ -130,7 +130,7 @@ pub struct TuneSpec {
 pub struct SimulateSpec {
     /// Rows after row 0.
     pub steps: usize,
-    /// Interval [s].
+    /// Interval in seconds.
     pub dt: f64,
     /// Values of the searched parameters that differ from the baseline: (name, value).
     pub parameters: Vec<(String, f64)>,

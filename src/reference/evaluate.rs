@@ -11,7 +11,7 @@ pub struct Scope<'a> {
     pub parameters: &'a [f64],
     /// Inputs of the row.
     pub inputs: &'a [f64],
-    /// Interval to the next row [s].
+    /// Interval to the next row \[s\].
     pub dt: f64,
 }
 

@@ -30,7 +30,7 @@ pub struct Update {
     pub k: DMatrix<f64>,
     /// nu' S^-1 nu.
     pub nis: f64,
-    /// (p ln 2 pi + ln det S + NIS) / 2 [nats].
+    /// (p ln 2 pi + ln det S + NIS) / 2 \[nats\].
     pub nll: f64,
 }
 
@@ -65,6 +65,8 @@ struct Observation {
     r: DMatrix<f64>,
     hp: DMatrix<f64>,
     k_transposed: DMatrix<f64>,
+    k_r: DMatrix<f64>,
+    factor: DMatrix<f64>,
     s_inverse_nu: DVector<f64>,
     update: Update,
 }
@@ -129,7 +131,7 @@ impl Kalman {
             return Ok(false);
         }
         self.observation.gain(z, &self.prior)?;
-        let Observation { h, r, k_transposed, update: Update { k, nu, .. }, .. } = &self.observation;
+        let Observation { h, r, k_transposed, k_r, update: Update { k, nu, .. }, .. } = &mut self.observation;
         self.posterior.x.copy_from(&self.prior.x);
         self.posterior.x.gemv(1.0, k, nu, 1.0);
 
@@ -138,9 +140,9 @@ impl Kalman {
         a.gemm(-1.0, k, &h.matrix, 1.0);
         a_p.gemm(1.0, a, &self.prior.p, 0.0);
         a.transpose_mut();
-        let kr = k * r;
+        k_r.gemm(1.0, k, r, 0.0);
         self.posterior.p.gemm(1.0, a_p, a, 0.0);
-        self.posterior.p.gemm(1.0, &kr, k_transposed, 1.0);
+        self.posterior.p.gemm(1.0, k_r, k_transposed, 1.0);
         symmetrise(&mut self.posterior.p);
         self.posterior.check()?;
         Ok(true)
@@ -195,6 +197,8 @@ impl Observation {
             r: DMatrix::zeros(0, 0),
             hp: DMatrix::zeros(0, n),
             k_transposed: DMatrix::zeros(0, n),
+            k_r: DMatrix::zeros(n, 0),
+            factor: DMatrix::zeros(0, 0),
             s_inverse_nu: DVector::zeros(0),
             update: Update {
                 present: Vec::new(),
@@ -232,6 +236,8 @@ impl Observation {
         self.r = self.r_whole.select_rows(&present).select_columns(&present);
         self.hp = DMatrix::zeros(p, n);
         self.k_transposed = DMatrix::zeros(p, n);
+        self.k_r = DMatrix::zeros(n, p);
+        self.factor = DMatrix::zeros(p, p);
         self.s_inverse_nu = DVector::zeros(p);
         self.update.nu = DVector::zeros(p);
         self.update.s = DMatrix::zeros(p, p);
@@ -253,7 +259,10 @@ impl Observation {
         if !nu.iter().chain(s.iter()).all(|v| v.is_finite()) {
             return Err(Cause::NotFinite);
         }
-        let cholesky = Cholesky::new(s.clone()).ok_or(Cause::NotPositive)?;
+        // The factor takes the scratch matrix's storage and gives it back below: no allocation per row.
+        let mut factored = std::mem::replace(&mut self.factor, DMatrix::zeros(0, 0));
+        factored.copy_from(s);
+        let cholesky = Cholesky::new(factored).ok_or(Cause::NotPositive)?;
 
         self.k_transposed.copy_from(&self.hp);
         cholesky.solve_mut(&mut self.k_transposed);
@@ -264,6 +273,7 @@ impl Observation {
         let log_det: f64 = 2.0 * cholesky.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>();
         let constant = count(present.len()) * std::f64::consts::TAU.ln();
         *nll = 0.5 * (constant + log_det + *nis);
+        self.factor = cholesky.unpack_dirty();
         Ok(())
     }
 }

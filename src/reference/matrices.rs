@@ -19,7 +19,7 @@ pub struct Matrices {
 }
 
 impl Matrices {
-    /// Evaluates the model of `problem` for a candidate over an interval of `dt` [s].
+    /// Evaluates the model of `problem` for a candidate over an interval of `dt` \[s\].
     ///
     /// # Panics
     /// If `candidate` does not have one value per searched parameter.

@@ -22,7 +22,7 @@ pub struct Run {
 pub struct Step {
     /// Row of the trajectory.
     pub row: usize,
-    /// Its time [s].
+    /// Its time \[s\].
     pub time: f64,
     /// Before the measurement.
     pub prior: Estimate,

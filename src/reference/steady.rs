@@ -22,7 +22,7 @@ pub struct Steady {
     pub p_posterior: DMatrix<f64>,
 }
 
-/// The steady state for intervals of `dt` [s] with every measurement present and inputs at zero; `None` when R is
+/// The steady state for intervals of `dt` \[s\] with every measurement present and inputs at zero; `None` when R is
 /// singular or the recursion does not settle (an unstable state that is not seen, or one that nothing drives).
 ///
 /// Structured doubling for P = F P F' - F P H' (H P H' + R)^-1 H P F' + Q: step j of it is step 2^j of the recursion

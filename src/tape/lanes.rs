@@ -109,8 +109,36 @@ macro_rules! lane {
 lane!(f32, u32, 23, 127, 2);
 lane!(f64, u64, 52, 1023, 8);
 
-/// A register: `B` chunks of `C` candidates.
-pub type Register<T, const C: usize, const B: usize> = [[T; C]; B];
+/// A register: `B` chunks of `C` candidates. Aligned to a cache line, or every wide access would touch two.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+pub struct Register<T, const C: usize, const B: usize>([[T; C]; B]);
+
+impl<T: Copy, const C: usize, const B: usize> Register<T, C, B> {
+    /// The same value in every lane.
+    #[inline(always)]
+    pub const fn splat(value: T) -> Self {
+        Self([[value; C]; B])
+    }
+
+    /// The value of each lane, in order.
+    #[inline(always)]
+    pub const fn lanes(&self) -> &[T] {
+        self.0.as_flattened()
+    }
+
+    /// The value of each lane, to change.
+    #[inline(always)]
+    pub const fn lanes_mut(&mut self) -> &mut [T] {
+        self.0.as_flattened_mut()
+    }
+
+    /// Every lane through `f`.
+    #[inline(always)]
+    pub fn map<U>(self, f: impl Fn(T) -> U) -> Register<U, C, B> {
+        Register(self.0.map(|chunk| chunk.map(&f)))
+    }
+}
 
 /// Runs `tape` once.
 ///
@@ -129,10 +157,10 @@ pub fn run<T: Lane, const C: usize, const B: usize>(
 
 /// Runs `tape` on one candidate in f64.
 pub fn run_one(tape: &Tape, registers: &mut Vec<f64>, scalars: &[f64]) {
-    let mut wide: Vec<Register<f64, 1, 1>> = registers.iter().map(|v| [[*v]]).collect();
-    wide.resize(tape.registers.max(wide.len()), [[0.0]]);
+    let mut wide: Vec<Register<f64, 1, 1>> = registers.iter().map(|v| Register::splat(*v)).collect();
+    wide.resize(tape.registers.max(wide.len()), Register::splat(0.0));
     run(&tape.operations, &mut wide, scalars);
-    *registers = wide.into_iter().map(|[[v]]| v).collect();
+    *registers = wide.into_iter().map(|r| r.0[0][0]).collect();
 }
 
 #[inline(always)]
@@ -179,8 +207,8 @@ fn one<T: Lane, const C: usize, const B: usize>(
     f: impl Fn(T, T) -> T,
 ) {
     for k in 0..B {
-        let x = r[a as usize][k];
-        r[to][k] = from_fn(|i| f(x[i], scalar));
+        let x = r[a as usize].0[k];
+        r[to].0[k] = from_fn(|i| f(x[i], scalar));
     }
 }
 
@@ -194,8 +222,8 @@ fn two<T: Lane, const C: usize, const B: usize>(
     f: impl Fn(T, T) -> T,
 ) {
     for k in 0..B {
-        let (x, y) = (r[a as usize][k], r[b as usize][k]);
-        r[to][k] = from_fn(|i| f(x[i], y[i]));
+        let (x, y) = (r[a as usize].0[k], r[b as usize].0[k]);
+        r[to].0[k] = from_fn(|i| f(x[i], y[i]));
     }
 }
 
@@ -210,8 +238,8 @@ fn two_one<T: Lane, const C: usize, const B: usize>(
     f: impl Fn(T, T, T) -> T,
 ) {
     for k in 0..B {
-        let (x, y) = (r[a as usize][k], r[b as usize][k]);
-        r[to][k] = from_fn(|i| f(x[i], y[i], scalar));
+        let (x, y) = (r[a as usize].0[k], r[b as usize].0[k]);
+        r[to].0[k] = from_fn(|i| f(x[i], y[i], scalar));
     }
 }
 
@@ -224,8 +252,8 @@ fn three<T: Lane, const C: usize, const B: usize>(
     f: impl Fn(T, T, T) -> T,
 ) {
     for k in 0..B {
-        let (x, y, z) = (r[a as usize][k], r[b as usize][k], r[c as usize][k]);
-        r[to][k] = from_fn(|i| f(x[i], y[i], z[i]));
+        let (x, y, z) = (r[a as usize].0[k], r[b as usize].0[k], r[c as usize].0[k]);
+        r[to].0[k] = from_fn(|i| f(x[i], y[i], z[i]));
     }
 }
 
@@ -233,12 +261,12 @@ fn three<T: Lane, const C: usize, const B: usize>(
 fn general<T: Lane, const C: usize, const B: usize>(op: &Operation, r: &mut [Register<T, C, B>], s: &[T]) {
     for k in 0..B {
         let fetch = |argument: Argument| match argument {
-            Argument::Register(a) => r[a as usize][k],
+            Argument::Register(a) => r[a as usize].0[k],
             Argument::NONE => [T::ZERO; C],
             Argument::Scalar(a) => [s[a as usize]; C],
         };
         let [x, y, z] = op.arguments.map(fetch);
-        r[op.register as usize][k] = from_fn(|i| match op.code {
+        r[op.register as usize].0[k] = from_fn(|i| match op.code {
             Code::Copy => x[i],
             Code::Unary(unary) => x[i].unary(unary),
             Code::Binary(binary) => x[i].rare(binary, y[i]),

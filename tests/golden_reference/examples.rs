@@ -61,7 +61,8 @@ fn constant_velocity_is_not_called_consistent_on_the_uav() {
         let tuned = candidate(r)(best_q(&problem, &log, candidate(r)));
         (costs(&problem, &log, &tuned).expect("runs")[0], tuned)
     };
-    let (bound, inside) = (at(1e-3), at(1e-1));
+    let lower = problem.parameters.searched().find(|(p, _)| p.name == "r").expect("r is searched").1.min;
+    let (bound, inside) = (at(lower), at(1e-1));
     assert!(bound.0 < inside.0, "the likelihood prefers the bound: nll {} against {}", bound.0, inside.0);
     let found = consistency(&problem, &log, &bound.1);
     println!("{found}");
@@ -69,6 +70,9 @@ fn constant_velocity_is_not_called_consistent_on_the_uav() {
     assert!(in_band, "mean NIS {} alone looks consistent", found.nis_mean);
     assert_eq!(found.verdict, Verdict::InnovationsCorrelated, "{found}");
     assert!(found.findings.iter().any(|f| f.verdict == Verdict::ParameterAtBound), "r is at its bound: {found}");
+    let json = serde_json::to_value(&found).expect("plain data");
+    assert_eq!(json["verdict"], "innovations_correlated", "the word that programs read");
+    assert!(["nis_mean", "nis_low", "nis_high"].iter().all(|key| json[key].is_number()), "{json}");
     let lag_1 = found.whiteness.iter().map(|w| w.lag_1()).fold(f64::MIN, f64::max);
     assert!((lag_1 - 0.74).abs() < 0.05, "lag-1 autocorrelation {lag_1}");
 }
@@ -83,4 +87,23 @@ fn a_wrong_start_is_told_from_wrong_noise() {
     assert!(found.findings[0].advice.contains("P0 is too small for this x0"), "{found}");
     let worse = consistency(&problem, &log, &[0.5]);
     assert!(worse.findings[0].advice.contains("P0, Q or R is too small"), "{worse}");
+}
+
+/// Durbin and Koopman's conclusion on the Nile: the local level model fits.
+#[test]
+fn the_nile_is_consistent_at_its_optimum() {
+    let (problem, log) = example("nile.toml");
+    let found = consistency(&problem, &log, &[15_099.687, 1_468.501]);
+    assert_eq!(found.verdict, Verdict::Consistent, "{found}");
+}
+
+#[test]
+fn a_log_without_measurements_is_not_called_consistent() {
+    let (problem, mut log) = example("nile.toml");
+    log.trajectories[0].time.truncate(1);
+    let mut empty = kfgpu::data::Table::new(1);
+    empty.push(&[f64::NAN]);
+    log.trajectories[0].z = empty;
+    let found = consistency(&problem, &log, &problem.parameters.baseline());
+    assert_eq!(found.verdict, Verdict::NothingMeasured, "{found}");
 }

@@ -2,6 +2,7 @@
 //!
 //! Nothing else in kfgpu is trusted before these pass, because everything else is compared with the reference.
 
+mod diffuse;
 mod examples;
 mod joint_density;
 mod rules;

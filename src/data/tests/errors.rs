@@ -65,10 +65,10 @@ fn bytes_that_are_not_text() {
 
 #[test]
 fn ragged_rows() {
-    let expected = "expected 2, one for each column of the header";
-    assert_eq!(message("t,z\n0,1\n1\n"), format!("log.csv:3: 1 values, {expected}"));
-    assert_eq!(message("t,z\n0,1,\n"), format!("log.csv:2: 3 values, {expected}"));
-    assert_eq!(message("t,z\n0,1\n\"1,2\n2,3\n"), format!("log.csv:3: 1 values, {expected} (is a quote left open?)"));
+    let expected = "expected as many cells as the header has, 2, found";
+    assert_eq!(message("t,z\n0,1\n1\n"), format!("log.csv:3: {expected} 1"));
+    assert_eq!(message("t,z\n0,1,\n"), format!("log.csv:2: {expected} 3"));
+    assert_eq!(message("t,z\n0,1\n\"1,2\n2,3\n"), format!("log.csv:3: {expected} 1 (is a quote left open?)"));
 }
 
 #[test]

@@ -3,26 +3,27 @@
 use super::survey::{Content, Survey};
 use crate::model::Function;
 
-const TIMES: [&str; 16] = [
+const TIMES: &[&str] = &[
     "t",
+    "t_s",
     "time",
+    "time_s",
+    "time_sec",
     "timestamp",
+    "stamp",
     "date",
     "datetime",
+    "utc",
     "year",
-    "stamp",
-    "epoch",
     "sec",
     "secs",
     "second",
     "seconds",
-    "time_s",
-    "t_s",
-    "time_sec",
-    "utc",
 ];
 const TRAJECTORIES: [&str; 10] =
     ["id", "track", "track_id", "trackid", "trajectory", "run", "run_id", "target", "target_id", "realisation"];
+/// Row counters: never measured, but good enough as time where nothing better increases.
+const COUNTERS: [&str; 7] = ["index", "frame", "step", "row", "seq", "sample", "epoch"];
 const TRUTH_SUFFIXES: [&str; 3] = ["_true", "_truth", "_gt"];
 const TRUTH_PREFIXES: [&str; 3] = ["true_", "truth_", "gt_"];
 
@@ -48,6 +49,10 @@ pub(super) fn names_a_trajectory(name: &str) -> bool {
 
 fn names_a_time(name: &str) -> bool {
     TIMES.contains(&name.to_lowercase().as_str())
+}
+
+fn names_a_counter(name: &str) -> bool {
+    COUNTERS.contains(&name.to_lowercase().as_str())
 }
 
 /// `x` for `x_true`, `true_x`, `truth_x`, `x_gt`, ...
@@ -79,7 +84,8 @@ impl Roles {
             let named = [roles.time, roles.trajectory, roles.false_time.map(|(i, _)| i)];
             named.contains(&Some(i)) || roles.truth.iter().any(|(_, truth)| *truth == i)
         };
-        let could = |i: &usize| !used(*i) && !columns[*i].name.is_empty() && columns[*i].varies();
+        let counts = |i: usize| names_a_time(&columns[i].name) || names_a_counter(&columns[i].name);
+        let could = |i: &usize| !used(*i) && !counts(*i) && !columns[*i].name.is_empty() && columns[*i].varies();
         let mut candidates: Vec<usize> = (0..columns.len()).filter(could).collect();
         if candidates.len() > MANY && candidates.iter().any(|&i| names_a_measurement(&columns[i].name)) {
             candidates.retain(|&i| names_a_measurement(&columns[i].name));
@@ -88,34 +94,25 @@ impl Roles {
         roles
     }
 
-    /// The first column named like a time that increases, else the first that increases.
+    /// The first column named like a time that increases; where none is named so, the first that increases.
     fn guess_time(&mut self, survey: &Survey) {
-        let free: Vec<usize> = (0..survey.columns.len())
-            .filter(|i| Some(*i) != self.trajectory && !self.truth.iter().any(|(_, truth)| truth == i))
-            .filter(|&i| matches!(survey.columns[i].content, Content::Numbers | Content::Instants(_)))
+        let columns = &survey.columns;
+        let free: Vec<usize> = (0..columns.len())
+            .filter(|&i| Some(i) != self.trajectory && !self.truth.iter().any(|(_, truth)| *truth == i))
+            .filter(|&i| matches!(columns[i].content, Content::Numbers | Content::Instants(_)))
+            .filter(|&i| !columns[i].name.is_empty())
             .collect();
-        let stops: Vec<Option<u64>> = free.iter().map(|&i| self.stops_increasing(survey, i)).collect();
-        let named = |at: &usize| names_a_time(&survey.columns[free[*at]].name);
-        let increases = |at: &usize| stops[*at].is_none();
-        let mut order = (0..free.len()).filter(named).chain((0..free.len()).filter(|at| !named(at)));
-        self.time = order.find(increases).map(|at| free[at]);
-        if self.time.is_none() {
-            self.false_time = (0..free.len()).find(named).and_then(|at| Some((free[at], stops[at]?)));
+        let trajectory = self.trajectory;
+        let stop = |i: usize| stops_increasing(survey, trajectory, i);
+        let named: Vec<usize> = free.iter().copied().filter(|&i| names_a_time(&columns[i].name)).collect();
+        if let Some(&first) = named.first() {
+            self.time = named.iter().copied().find(|&i| stop(i).is_none());
+            self.false_time = if self.time.is_none() { stop(first).map(|line| (first, line)) } else { None };
+        } else {
+            // A lone rising column is what was measured.
+            let others = |time: usize| free.iter().any(|&i| i != time && columns[i].varies());
+            self.time = free.iter().copied().find(|&i| stop(i).is_none()).filter(|&i| others(i));
         }
-    }
-
-    /// The first line where column `i` is missing or no greater than before in its trajectory.
-    fn stops_increasing(&self, survey: &Survey, i: usize) -> Option<u64> {
-        let mut last = vec![f64::NEG_INFINITY; 1];
-        for (row, &value) in survey.columns[i].values.iter().enumerate() {
-            let trajectory = self.trajectory.map_or(0, |t| survey.columns[t].values[row] as usize);
-            last.resize(last.len().max(trajectory + 1), f64::NEG_INFINITY);
-            if value.is_nan() || value <= last[trajectory] {
-                return Some(survey.lines[row]);
-            }
-            last[trajectory] = value;
-        }
-        None
     }
 
     /// A name for each of the first `count` candidates that formulas can use: the state whose truth is given, if the
@@ -146,6 +143,20 @@ impl Roles {
         }
         pairs
     }
+}
+
+/// The first line where column `i` is missing or no greater than before in its trajectory.
+fn stops_increasing(survey: &Survey, trajectory: Option<usize>, i: usize) -> Option<u64> {
+    let mut last = vec![f64::NEG_INFINITY];
+    for (row, &value) in survey.columns[i].values.iter().enumerate() {
+        let trajectory = trajectory.map_or(0, |t| survey.columns[t].values[row] as usize);
+        last.resize(last.len().max(trajectory + 1), f64::NEG_INFINITY);
+        if value.is_nan() || value <= last[trajectory] {
+            return Some(survey.lines[row]);
+        }
+        last[trajectory] = value;
+    }
+    None
 }
 
 /// Whether a column of this name measures `state`: `zx`, `z_x`, `x_meas`, `x_z`, ... or `x` itself.

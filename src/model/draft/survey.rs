@@ -129,23 +129,26 @@ impl Column {
             Content::Labels(known) => label(known, rows.cell(i).unwrap_or_default()),
             Content::Numbers => rows.number(i, "").ok(),
             Content::Instants(clock) => clock.read(rows, i).ok(),
-            Content::Empty => match (rows.number(i, ""), Clock::Unset) {
-                (Ok(value), _) if value.is_nan() => Some(value),
-                (Ok(value), _) => {
-                    self.content = Content::Numbers;
-                    Some(value)
-                }
-                (Err(_), mut clock) => {
-                    let origin = clock.read(rows, i).ok();
-                    self.content = Content::Instants(clock);
-                    origin
-                }
-            },
+            Content::Empty => self.first(rows, i),
         };
         match value {
             Some(value) => self.values.push(value),
             None => (self.content, self.values) = (Content::Text, Vec::new()),
         }
+    }
+
+    /// Reads a cell of a column that has had no value yet, and settles its content if there is one.
+    fn first(&mut self, rows: &Rows<'_>, i: usize) -> Option<f64> {
+        if let Ok(value) = rows.number(i, "") {
+            if !value.is_nan() {
+                self.content = Content::Numbers;
+            }
+            return Some(value);
+        }
+        let mut clock = Clock::Unset;
+        let origin = clock.read(rows, i).ok();
+        self.content = Content::Instants(clock);
+        origin
     }
 
     /// Whether it holds numbers of which two differ.

@@ -55,6 +55,7 @@ fn simulated(rows: usize, dt: f64, q: f64, r: f64, is_motion: bool) -> String {
 fn drafts_of_every_shipped_log_parse_and_their_baselines_run() {
     for name in ["nile.csv", "uav_gps.csv", "tum_fr2_desk.csv", "robot.csv"] {
         let (_, problem, log) = shipped(name);
+        problem.check_log(&log).unwrap_or_else(|e| panic!("{name}: {e}"));
         let costs = reference::costs(&problem, &log, &problem.parameters.baseline()).unwrap();
         assert!(costs[0].is_finite(), "{name}: {costs:?}");
     }
@@ -81,7 +82,7 @@ fn tracks_are_constant_velocity_and_truth_finds_its_states() {
     assert_eq!(draft.data.measurements, ["zx", "zy", "zz"]);
     let (draft, ..) = shipped("uav_gps.csv");
     assert_eq!(draft.data.measurements, ["e", "n", "u"]);
-    assert!(draft.text.contains("not \"speed\", \"heading\", \"vx\", \"vy\"."), "{}", draft.text);
+    assert!(draft.text.contains("not taken: \"speed\", \"heading\", \"vx\", \"vy\"."), "{}", draft.text);
     let (draft, ..) = shipped("robot.csv");
     assert_eq!(draft.data.measurements, ["z0", "z1"]);
     assert!(draft.text.contains("Looks like truth, but of no state of this model: \"x0_true\""), "{}", draft.text);
@@ -124,6 +125,16 @@ fn a_time_that_does_not_increase_is_not_used_and_the_draft_says_where() {
 }
 
 #[test]
+fn a_counter_or_unnamed_index_is_no_measurement_and_one_rising_column_is_no_time() {
+    let draft = of(",frame,z,t\n0,7,1,0.5\n1,8,5,0.6\n2,9,3,0.7\n");
+    assert_eq!((draft.data.time.as_deref(), draft.data.measurements), (Some("t"), vec!["z".to_owned()]));
+    let draft = of(",frame,z\n0,7,1\n1,8,5\n2,9,3\n");
+    assert_eq!((draft.data.time.as_deref(), draft.data.measurements), (Some("frame"), vec!["z".to_owned()]));
+    let draft = of("z\n1\n2\n4\n");
+    assert_eq!((draft.data.time, draft.data.measurements), (None, vec!["z".to_owned()]));
+}
+
+#[test]
 fn five_slow_columns_are_a_random_walk_by_formulas() {
     let mut stream = Stream::new(6, Purpose::Workload, 0, 0);
     let mut text = "t,a,b,c,d,e\n".to_owned();
@@ -144,7 +155,7 @@ fn what_cannot_be_drafted_says_why() {
     assert_eq!(message("t,z\n"), "log.csv: has a header but no row");
     assert_eq!(message("t,note\n0,a\n1,b\n"), "log.csv: no column of changing numbers that could be a measurement");
     assert!(message("0,1\n1,2\n").starts_with("log.csv:1: expected a header"), "{}", message("0,1\n1,2\n"));
-    assert_eq!(message("t,z\n0,1\n1\n"), "log.csv:3: 1 values, expected 2, one for each column of the header");
+    assert_eq!(message("t,z\n0,1\n1\n"), "log.csv:3: expected as many cells as the header has, 2, found 1");
 }
 
 proptest! {
@@ -162,9 +173,12 @@ proptest! {
         if let Ok(draft) = draft(Path::new("log.csv"), text.as_slice()) {
             let problem = Problem::parse(&draft.text, "draft.toml");
             prop_assert!(problem.is_ok(), "{}\n{}", problem.unwrap_err(), draft.text);
-            prop_assert_eq!(&problem.unwrap().data, &draft.data);
+            let problem = problem.unwrap();
+            prop_assert_eq!(&problem.data, &draft.data);
             let log = Log::read(&draft.data, text.as_slice(), "log.csv");
             prop_assert!(log.is_ok(), "{}", log.unwrap_err());
+            let costs = reference::costs(&problem, &log.unwrap(), &problem.parameters.baseline());
+            prop_assert!(matches!(&costs, Ok(c) if c[0].is_finite()), "{:?}\n{}", costs, draft.text);
         }
     }
 

@@ -72,38 +72,31 @@ impl Page<'_> {
 
     /// Comments on every column that is not used.
     fn left_out(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name = |i: usize| self.survey.columns[i].name.as_str();
-        let is_used = |name: &str| {
-            let named = [&self.data.time, &self.data.trajectory];
-            let truth = || self.data.truth.iter().any(|(_, column)| column == name);
-            named.into_iter().flatten().any(|n| n == name)
-                || self.data.measurements.iter().any(|n| n == name)
-                || truth()
-        };
-        let is_truth = |i: usize| self.roles.truth.iter().any(|(_, truth)| *truth == i);
-        let unused: Vec<usize> =
-            (0..self.survey.columns.len()).filter(|&i| !name(i).is_empty() && !is_used(name(i))).collect();
-        let (truth, unused): (Vec<usize>, Vec<usize>) = unused.into_iter().partition(|&i| is_truth(i));
-        let (numbers, useless): (Vec<usize>, Vec<usize>) =
-            unused.into_iter().partition(|&i| self.survey.columns[i].varies());
-        let of = |columns: &[usize]| some(columns.iter().map(|&i| format!("{:?}", name(i))));
+        let column = |i: usize| &self.survey.columns[i];
+        let is_truth = |i: &usize| self.roles.truth.iter().any(|(_, truth)| truth == i);
+        let of = |columns: &[usize]| some(columns.iter().map(|&i| format!("{:?}", column(i).name)));
+        let unused = (0..self.survey.columns.len()).filter(|&i| !self.uses(&column(i).name));
+        let (truth, unused): (Vec<usize>, Vec<usize>) = unused.partition(is_truth);
+        let (numbers, useless): (Vec<usize>, Vec<usize>) = unused.into_iter().partition(|&i| column(i).varies());
         if !numbers.is_empty() {
             let taken = self.data.measurements.len();
-            writeln!(f, "# Only {taken} columns were taken as measurements, not {}.", of(&numbers))?;
+            writeln!(f, "# Measurements taken: {taken}; not taken: {}.", of(&numbers))?;
             writeln!(f, "# Known inputs among them would be named in `inputs` (and stand in formulas).")?;
         }
         if !truth.is_empty() {
             writeln!(f, "# Looks like truth, but of no state of this model: {}.", of(&truth))?;
         }
-        let why = |i: &usize| match &self.survey.columns[*i].content {
-            Content::Empty => "empty",
-            Content::Numbers => "constant",
-            Content::Text => "text",
-            Content::Instants(_) => "times",
-            Content::Labels(_) => "no value appears twice",
-        };
-        let reasons = some(useless.iter().map(|i| format!("{:?} ({})", name(*i), why(i))));
+        let reasons =
+            some(useless.iter().map(|&i| format!("{:?} ({})", column(i).name, why_useless(&column(i).content))));
         if useless.is_empty() { Ok(()) } else { writeln!(f, "# Left out: {reasons}.") }
+    }
+
+    /// Whether `[data]` names a column; one without a name cannot be.
+    fn uses(&self, name: &str) -> bool {
+        let data = self.data;
+        let truth = data.truth.iter().map(|(_, column)| column);
+        name.is_empty()
+            || data.time.iter().chain(&data.trajectory).chain(&data.measurements).chain(truth).any(|n| n == name)
     }
 
     fn model_table(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -151,6 +144,16 @@ impl Page<'_> {
             writeln!(f, "{kind}_{axis} = {{ min = {min}, max = {max}, scale = \"log\", start = {start} }}")?;
         }
         writeln!(f)
+    }
+}
+
+const fn why_useless(content: &Content) -> &'static str {
+    match content {
+        Content::Empty => "empty",
+        Content::Numbers => "constant",
+        Content::Text => "text",
+        Content::Instants(_) => "times",
+        Content::Labels(_) => "no value appears twice",
     }
 }
 

@@ -23,7 +23,7 @@ pub(super) struct Axes<'a> {
 }
 
 /// `{ factor = "M", form = "square" }`, if that is what the value is.
-pub(super) fn factor(node: &Node<'_>, size: usize) -> Result<Option<Factor>, Fault> {
+pub(super) fn factor(node: &Node<'_>, matrix: &'static str, size: usize) -> Result<Option<Factor>, Fault> {
     let DeValue::Table(table) = node.value else { return Ok(None) };
     if !table.contains_key("factor") {
         return Ok(None);
@@ -38,14 +38,14 @@ pub(super) fn factor(node: &Node<'_>, size: usize) -> Result<Option<Factor>, Fau
         "lower" => true,
         other => return Err(form.bad_value(format!("\"{other}\""), "\"square\" or \"lower\"")),
     };
-    Ok(Some(Factor { name, lower, size, span: name_node.span }))
+    Ok(Some(Factor { matrix, name, lower, size, span: name_node.span }))
 }
 
 /// Reads a covariance as n x n row-major formulas, symmetric.
 pub(super) fn read(node: &Node<'_>, axes: Axes<'_>, names: &Names, place: FormulaPlace) -> Result<Vec<Expr>, Fault> {
     let scope = Scope { names, place, key: &node.key };
     let n = axes.labels.len();
-    if let Some(factor) = factor(node, n)? {
+    if let Some(factor) = factor(node, "", n)? {
         return product(&factor, names);
     }
     match node.value {

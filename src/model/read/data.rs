@@ -58,6 +58,12 @@ pub(super) fn check_truth(document: &Fields<'_>, states: &[String]) -> Result<()
     Ok(())
 }
 
+/// Where input `i` is typed.
+pub(super) fn input_span(document: &Fields<'_>, i: usize) -> Span {
+    let inputs = || document.get("data")?.table("a table", &KEYS).ok()?.get("inputs")?.list("a list").ok();
+    inputs().and_then(|list| list.get(i).map(|n| n.span)).unwrap_or_default()
+}
+
 /// Refuses absurd sizes.
 pub(super) fn limit(span: Span, count: usize, what: &'static str, limit: usize) -> Result<(), Fault> {
     if count > limit { Err(Fault::new(span, Cause::TooMany { count, what, limit })) } else { Ok(()) }

@@ -20,7 +20,6 @@ use super::{Problem, ProblemError, Span, definite};
 use node::Fields;
 
 pub(super) use locate::locate;
-pub use tune::ALGORITHM_NAMES;
 
 /// Bytes of a problem file.
 const MAX_BYTES: u64 = 4 * 1024 * 1024;
@@ -103,6 +102,7 @@ fn read(text: &str, source: &str) -> Result<Problem, Fault> {
     let filter = tune::filter(&document)?;
     let problem =
         Problem { source: source.to_owned(), text: text.to_owned(), data, model, parameters, filter, tune, simulate };
-    definite::check(&problem).map_err(|(key, cause)| Fault::new(locate(text, &["model", key]), cause))?;
+    let factored: Vec<&str> = draft.factors.iter().map(|f| f.matrix).collect();
+    definite::check(&problem, &factored).map_err(|(key, cause)| Fault::new(locate(text, &["model", key]), cause))?;
     Ok(problem)
 }

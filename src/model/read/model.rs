@@ -1,7 +1,7 @@
 //! The `[model]` table: formulas, or a built-in model.
 
 use super::covariance::{self, Axes};
-use super::data::limit;
+use super::data::{self, limit};
 use super::node::{Fields, Node};
 use super::parameters::{Factor, check_name};
 use crate::model::error::{Cause, Fault, nearest};
@@ -56,7 +56,7 @@ pub(super) fn draft<'a>(document: &Fields<'a>, data: &DataSpec) -> Result<Draft<
     }
     let mut factors: Vec<Factor> = Vec::new();
     for (key, size) in [("Q", states.len()), ("R", data.measurements.len()), ("P0", states.len())] {
-        let Some(factor) = fields.optional(key, |n| covariance::factor(n, size))?.flatten() else { continue };
+        let Some(factor) = fields.optional(key, |n| covariance::factor(n, key, size))?.flatten() else { continue };
         if factors.iter().any(|f| f.name == factor.name) {
             return Err(Fault::invalid(factor.span, &factor.name, "two matrices cannot share one factor"));
         }
@@ -128,9 +128,9 @@ impl Draft<'_> {
             };
             return Err(Fault::new(span(name), Cause::NameTaken { name: name.clone(), taken }));
         }
-        if let Some(name) = data.inputs.iter().find(|i| self.states.contains(i)) {
-            let cause = Cause::NameTaken { name: name.clone(), taken: "an input" };
-            return Err(Fault::new(self.fields.span, cause));
+        if let Some(i) = data.inputs.iter().position(|i| self.states.contains(i)) {
+            let cause = Cause::NameTaken { name: data.inputs[i].clone(), taken: "a state" };
+            return Err(Fault::new(data::input_span(document, i), cause));
         }
         Ok(Names { states: self.states.clone(), parameters, inputs: data.inputs.clone() })
     }

@@ -1,5 +1,7 @@
 //! TOML values with their positions, read with one-sentence errors.
 
+use std::collections::HashSet;
+
 use toml::de::{DeTable, DeValue};
 use toml::{Spanned, value::Datetime};
 
@@ -178,9 +180,10 @@ impl<'a> Node<'a> {
     pub(super) fn names(&self, expected: &str) -> Result<Vec<String>, Fault> {
         let nodes = self.list(expected)?;
         let mut names = Vec::with_capacity(nodes.len());
+        let mut seen = HashSet::with_capacity(nodes.len());
         for node in &nodes {
             let name = node.name()?;
-            if names.contains(&name) {
+            if !seen.insert(name.clone()) {
                 return Err(node.invalid(format!("`{name}` is listed twice")));
             }
             names.push(name);

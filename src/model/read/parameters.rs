@@ -1,5 +1,6 @@
 //! The `[parameters]` table, and the elements of factored covariances.
 
+use super::data::limit;
 use super::node::{Fields, Node};
 use crate::model::error::{Cause, Fault, nearest};
 use crate::model::formula::is_name;
@@ -12,6 +13,7 @@ const SEARCH: &str = "a number, or a table such as { min = 0.1, max = 45, scale 
 /// `{ factor = "M", form = "square" }` of a size x size covariance M M'.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Factor {
+    pub(super) matrix: &'static str,
     pub(super) name: String,
     pub(super) lower: bool,
     pub(super) size: usize,
@@ -35,6 +37,8 @@ impl Factor {
 /// Reads every parameter; a factor's template gives its elements their ranges and is itself none.
 pub(super) fn read(fields: Option<&Fields<'_>>, factors: &[Factor]) -> Result<Parameters, Fault> {
     let entries = fields.map_or(&[][..], |f| &f.entries);
+    let at = fields.map_or(Span::default(), |f| f.span);
+    limit(at, entries.len(), "parameters", MAX_PARAMETERS + factors.len())?;
     let is_template = |name: &str| factors.iter().any(|f| f.name == name);
     let declared: Vec<_> = entries.iter().filter(|(name, ..)| !is_template(name)).collect();
     let mut names: Vec<String> = declared.iter().map(|(name, ..)| (*name).to_owned()).collect();
@@ -43,11 +47,7 @@ pub(super) fn read(fields: Option<&Fields<'_>>, factors: &[Factor]) -> Result<Pa
     }
     let elements = missing_elements(entries, factors, &names)?;
     names.extend(elements.iter().map(|p| p.name.clone()));
-    if names.len() > MAX_PARAMETERS {
-        let span = fields.map_or(Span::default(), |f| f.span);
-        let cause = Cause::TooMany { count: names.len(), what: "parameters", limit: MAX_PARAMETERS };
-        return Err(Fault::new(span, cause));
-    }
+    limit(at, names.len(), "parameters", MAX_PARAMETERS)?;
     let mut all = Vec::with_capacity(names.len());
     for (name, _, node) in declared {
         let (value, unit) = read_value(node, &names)?;

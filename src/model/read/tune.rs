@@ -4,9 +4,7 @@ use super::node::{Fields, Node, shorten};
 use crate::model::error::{Cause, Fault, nearest};
 use crate::model::{DataSpec, FilterKind, TuneSpec};
 use crate::objective::{Kind, Objective};
-
-/// Names of the optimisers.
-pub const ALGORITHM_NAMES: [&str; 6] = ["pso", "pso-inertia", "pio", "pio-printed", "pio+", "random"];
+use crate::optimize::ALGORITHMS;
 
 const MAX_POPULATION: u32 = 16_777_216;
 const MAX_GENERATIONS: u32 = 1_000_000;
@@ -72,11 +70,12 @@ fn defaults() -> TuneSpec {
 
 fn read_algorithm(node: &Node<'_>) -> Result<String, Fault> {
     let name = node.string()?;
-    if ALGORITHM_NAMES.contains(&name) {
+    let names = || ALGORITHMS.iter().map(|a| a.name);
+    if names().any(|known| known == name) {
         return Ok(name.to_owned());
     }
-    let nearest = nearest(name, ALGORITHM_NAMES);
-    let known = ALGORITHM_NAMES.map(str::to_owned).to_vec();
+    let nearest = nearest(name, names());
+    let known = names().map(str::to_owned).collect();
     let (key, name) = (node.key.clone(), shorten(name));
     Err(node.fault(Cause::NoSuch { key, what: "the algorithm", name, nearest, known }))
 }

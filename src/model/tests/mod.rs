@@ -1,3 +1,6 @@
 //! The problem file as a whole.
 
+mod errors;
 mod examples;
+mod log;
+mod tuned;

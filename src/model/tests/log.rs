@@ -1,0 +1,161 @@
+//! Checks that need the log.
+
+use crate::data::{Log, Table, Trajectory};
+use crate::model::Problem;
+
+const MODEL: &str = r#"[data]
+file = "log.csv"
+measurements = ["z1", "z2"]
+truth = { p = "p" }
+[model]
+state = ["p", "v"]
+f = ["p + v*dt", "v"]
+h = ["p", "v"]
+Q = [0, "q"]
+R = [1, 1]
+x0 = [0, 0]
+P0 = [1, 1]
+[parameters]
+q = { min = 1, max = 2 }
+"#;
+
+fn problem(old: &str, new: &str) -> Problem {
+    assert!(MODEL.contains(old), "{old}");
+    Problem::parse(&MODEL.replace(old, new), "p.toml").unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Two measurements and truth of p, without inputs.
+fn trajectory(id: &str, time: &[f64], z: &[[f64; 2]]) -> Trajectory {
+    let (mut measurements, mut inputs, mut truth) = (Table::new(2), Table::new(0), Table::new(1));
+    for row in z {
+        measurements.push(row);
+        inputs.push(&[]);
+        truth.push(&[0.0]);
+    }
+    let line = (2..).take(time.len()).collect();
+    Trajectory { id: id.to_owned(), time: time.to_vec(), z: measurements, u: inputs, truth, line }
+}
+
+fn log(trajectories: Vec<Trajectory>) -> Log {
+    Log {
+        source: "log.csv".to_owned(),
+        measurements: vec!["z1".to_owned(), "z2".to_owned()],
+        inputs: Vec::new(),
+        truth: vec!["p".to_owned()],
+        trajectories,
+    }
+}
+
+fn regular() -> Log {
+    log(vec![trajectory("", &[0.0, 1.0, 2.0], &[[1.0, 1.0]; 3])])
+}
+
+fn irregular() -> Log {
+    log(vec![trajectory("", &[0.0, 1.0, 3.0], &[[1.0, 1.0]; 3])])
+}
+
+fn refused(problem: &Problem, log: &Log) -> String {
+    problem.check_log(log).expect_err("refused").to_string().lines().next().unwrap().to_owned()
+}
+
+#[test]
+fn a_sound_log_has_no_warnings() {
+    assert_eq!(problem("", "").check_log(&regular()).unwrap(), Vec::<String>::new());
+}
+
+#[test]
+fn the_step_before_an_irregular_log_must_be_given() {
+    let predict = problem("P0 =", "first = \"predict\"\nP0 =");
+    assert!(predict.check_log(&regular()).is_ok(), "regular intervals say it");
+    let message = refused(&predict, &irregular());
+    assert!(
+        message.starts_with("p.toml:12:9: first = \"predict\" needs `first_dt`")
+            && message.ends_with("log.csv has irregular intervals"),
+        "{message}"
+    );
+    let one_row = log(vec![trajectory("", &[0.0], &[[1.0, 1.0]])]);
+    assert!(refused(&predict, &one_row).ends_with("log.csv has no interval"), "a single row says nothing");
+    let given = problem("P0 =", "first = \"predict\"\nfirst_dt = 1\nP0 =");
+    assert!(given.check_log(&irregular()).is_ok(), "given");
+}
+
+#[test]
+fn a_process_noise_without_dt_is_doubtful_on_an_irregular_log() {
+    let warnings = problem("", "").check_log(&irregular()).unwrap();
+    assert_eq!(
+        warnings,
+        ["the intervals of log.csv differ, and Q has no dt in it: every step gets the same process noise"]
+    );
+    assert!(problem("\"q\"", "\"q*dt\"").check_log(&irregular()).unwrap().is_empty(), "it has dt");
+}
+
+#[test]
+fn a_process_noise_must_be_one_at_every_interval() {
+    let shrinking = problem("\"q\"", "\"q*(1.5 - dt)\"");
+    assert!(shrinking.check_log(&regular()).is_ok(), "positive at dt = 1");
+    let message = refused(&shrinking, &irregular());
+    let expected = "p.toml:9:5: `model.Q` is not positive semidefinite at the start values: the variance of `v` is ";
+    assert!(message.starts_with(expected), "{message}");
+}
+
+#[test]
+fn a_start_from_measurements_needs_a_complete_one() {
+    let start = problem("x0 = [0, 0]", "x0 = \"measurement\"");
+    assert!(start.check_log(&regular()).is_ok(), "complete");
+    let gaps = [[1.0, f64::NAN], [f64::NAN, 1.0]];
+    let mut second = trajectory("b", &[0.0, 1.0], &gaps);
+    second.line = vec![7, 8];
+    let message = refused(&start, &log(vec![trajectory("a", &[0.0], &[[1.0, 1.0]]), second]));
+    assert!(message.starts_with("p.toml:11:6: x0 = \"measurement\" needs a row with all measurements"), "{message}");
+    assert!(message.contains("trajectory `b` (log.csv:7) has none"), "{message}");
+}
+
+#[test]
+fn truth_must_be_in_the_log() {
+    let tune = problem("[parameters]", "[tune]\nobjectives = [\"rmse\"]\n[parameters]");
+    assert!(tune.check_log(&regular()).is_ok(), "there is truth");
+    let mut unknown = regular();
+    unknown.trajectories[0].truth = Table::new(1);
+    (0..3).for_each(|_| unknown.trajectories[0].truth.push(&[f64::NAN]));
+    let message = refused(&tune, &unknown);
+    assert!(
+        message.starts_with("p.toml:14:14: the objective `rmse` needs truth of `p`, and no scored row of log.csv"),
+        "{message}"
+    );
+    let skipping = problem("[parameters]", "[tune]\nobjectives = [{ name = \"rmse\", skip = 3 }]\n[parameters]");
+    assert!(skipping.check_log(&regular()).is_err(), "all rows are skipped");
+}
+
+#[test]
+fn an_h_with_inputs_needs_them_in_the_last_row() {
+    let text =
+        MODEL.replace("truth =", "inputs = [\"u\"]\ntruth =").replace("[\"p\", \"v\"]\nQ", "[\"p + u\", \"v\"]\nQ");
+    let problem = Problem::parse(&text, "p.toml").unwrap();
+    let with = |inputs: [f64; 3]| {
+        let mut log = regular();
+        log.trajectories[0].u = Table::new(1);
+        inputs.iter().for_each(|u| log.trajectories[0].u.push(&[*u]));
+        log
+    };
+    assert!(problem.check_log(&with([1.0, 1.0, 1.0])).is_ok(), "all there");
+    let message = refused(&problem, &with([1.0, 1.0, f64::NAN]));
+    assert!(
+        message.starts_with("p.toml:9:5: h uses the input `u`, which is empty in the last row of log.csv:4"),
+        "{message}"
+    );
+}
+
+#[test]
+fn warnings_about_windows_and_unused_parameters() {
+    let mismatch = problem(
+        "[parameters]",
+        "[tune]\nobjectives = [\"mismatch\"]\n[parameters]\nidle = { min = 1, max = 2 }\ntied = { tie = \"idle\" }",
+    );
+    assert_eq!(
+        mismatch.check_log(&regular()).unwrap(),
+        [
+            "the searched parameter `idle` is used in no formula",
+            "the window of `mismatch` is 100 rows, and log.csv:2 has 3 measured ones: all of them are used"
+        ]
+    );
+}

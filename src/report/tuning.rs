@@ -58,9 +58,6 @@ pub struct LogFacts {
 /// otherwise; parameters are in their own units.
 #[derive(Debug, Clone, Serialize)]
 pub struct Tuning {
-    /// How it was found.
-    #[serde(flatten)]
-    pub effort: Effort,
     /// The winner.
     pub parameters: Named<f64>,
     /// Bounds that the winner sits on, of the parameters that do.
@@ -85,14 +82,15 @@ pub struct Tuning {
     pub matrices: Matrices,
     /// RMSE of the raw measurements, for `rmse` objectives whose states are measured directly.
     pub raw_measurements: Named<f64>,
+    /// How it was found.
+    #[serde(flatten)]
+    pub effort: Effort,
 }
 
 /// The result of a study without a usable candidate: everything that a [`Tuning`] would add is null.
 #[derive(Debug, Clone, Serialize)]
 #[expect(missing_docs, reason = "as in Tuning")]
 pub struct Nothing {
-    #[serde(flatten)]
-    pub effort: Effort,
     pub parameters: (),
     pub objectives: (),
     pub validation: (),
@@ -101,6 +99,8 @@ pub struct Nothing {
     pub front: (),
     pub polish: (),
     pub matrices: (),
+    #[serde(flatten)]
+    pub effort: Effort,
 }
 
 /// Parameters and their objectives.

@@ -204,10 +204,10 @@ impl Tracer<'_> {
             let change = self.g.sub(theta.offset[i], at.offset[i]);
             self.require_invariant(change, what, i)?;
             let mut moved = change;
-            for j in 0..n {
+            for (j, x) in x.iter().enumerate() {
                 let change = self.g.sub(theta.jacobian[i][j], at.jacobian[i][j]);
                 self.require_invariant(change, what, i)?;
-                let share = self.g.mul(change, x[j]);
+                let share = self.g.mul(change, *x);
                 moved = self.g.add(moved, share);
             }
             local.fixed.push(fixed);
@@ -331,9 +331,9 @@ impl Recursion {
             let mut H: Vec<Id> = self.H[i].iter().map(|h| g.mul(self.present[i], *h)).collect();
             let mut e = g.mul(self.present[i], nu[i]);
             for j in 0..i {
-                for k in 0..H.len() {
-                    let part = g.mul(L[i][j], rows[j].0[k]);
-                    H[k] = g.sub(H[k], part);
+                for (h, earlier) in H.iter_mut().zip(&rows[j].0) {
+                    let part = g.mul(L[i][j], *earlier);
+                    *h = g.sub(*h, part);
                 }
                 let part = g.mul(L[i][j], rows[j].1);
                 e = g.sub(e, part);

@@ -12,9 +12,14 @@ use rand_distr::{Distribution, StandardNormal};
 pub(crate) enum Interval {
     /// k dt.
     Regular(f64),
+    /// k dt after a time so large that f64 rounds it visibly: 100 Hz in Unix time.
+    Unix(f64),
     /// Intervals between 0.2 and 1.8 times this.
     Irregular(f64),
 }
+
+/// Seconds since 1970, in 2023.
+const UNIX: f64 = 1.7e9;
 
 /// What is left out.
 #[derive(Clone, Copy)]
@@ -98,10 +103,13 @@ impl Source<'_> {
             line: vec![],
         };
         let mut x = self.start(shape.start);
-        let mut time = 0.0;
+        let mut time = match shape.interval {
+            Interval::Unix(_) => UNIX,
+            _ => 0.0,
+        };
         for k in 0..shape.lengths[index] {
             let dt = match shape.interval {
-                Interval::Regular(dt) => dt,
+                Interval::Regular(dt) | Interval::Unix(dt) => dt,
                 Interval::Irregular(dt) => dt * (0.2 + 1.6 * self.stream.uniform()),
             };
             let u: Vec<f64> = model.inputs.iter().map(|_| 2.0 * self.stream.uniform() - 1.0).collect();
@@ -116,6 +124,7 @@ impl Source<'_> {
             trajectory.time.push(time);
             time = match shape.interval {
                 Interval::Regular(dt) => (k + 1) as f64 * dt,
+                Interval::Unix(dt) => UNIX + (k + 1) as f64 * dt,
                 Interval::Irregular(_) => time + dt,
             };
             x = self.values(&model.f, &x, &u, dt) + self.noise(&matrices.q);

@@ -52,6 +52,7 @@ fn searched() -> Vec<Case> {
     vec![
         Case::new("motion regular", &MOTION, REGULAR, 257),
         Case::new("motion irregular", &MOTION, IRREGULAR, 257),
+        Case::new("motion in Unix time", &MOTION, REGULAR.every(Interval::Unix(0.01)), 257),
         Case::new("searched in f, h, x0, P0, Q, R", &all, REGULAR, 257),
         Case::new("searched in f, h, x0, P0, Q, R, pooled", &Text { objectives: OPTIONS, ..all }, POOLED, 257),
         Case::new("searched in f, times a constant dt", &times_dt, REGULAR.every(Interval::Regular(0.5)), 257),

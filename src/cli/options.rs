@@ -37,7 +37,12 @@ impl From<PrecisionChoice> for Precision {
 }
 
 impl Compute {
+    /// The evaluator's options; what else runs in parallel then keeps to the same number of threads.
     pub(super) fn cpu(&self) -> CpuOptions {
+        if let Some(threads) = self.threads {
+            // Only a second call could fail, and its number would be the same.
+            let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.get()).build_global();
+        }
         CpuOptions { precision: self.precision.into(), threads: self.threads }
     }
 }

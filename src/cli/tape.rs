@@ -32,7 +32,7 @@ impl Tape {
         let loaded = load::load(Some(&self.problem), self.data.as_deref(), console)?;
         let options = CpuOptions { precision: self.precision.into(), ..CpuOptions::default() };
         let evaluator = CpuEvaluator::new(&loaded.problem, &loaded.log, options)?;
-        files::print(&format!("{:?}", evaluator.program()))?;
+        files::print(&evaluator.program().to_string())?;
         Ok(Ending::Done)
     }
 }

@@ -23,6 +23,7 @@ use crate::study::{self, Judge, Observer, Outcome, StopReason, Study};
 ///
 /// With no file, tunes a built-in example (the level of the Nile, 1871-1970) on data that ships with the program.
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub(super) struct Tune {
     /// Problem file (TOML; `kfgpu init LOG.csv` writes one).
     problem: Option<PathBuf>,
@@ -87,7 +88,7 @@ struct Search {
     stall: Option<i64>,
 
     /// Stop when the first objective is at or below this, in its own unit (default: the file's `tune.stop.target`, or none).
-    #[arg(long, value_name = "COST", allow_negative_numbers = true)]
+    #[arg(long, value_name = "COST")]
     target: Option<f64>,
 
     /// Leave out the local search in f64 that ends a study of one objective (default: as the file's `tune.polish`,
@@ -111,6 +112,7 @@ impl Tune {
         let folder = self.out.as_deref().map(OutFolder::prepare).transpose()?;
         let (outcome, device) = self.study(&problem, &log, console)?;
 
+        let said = warnings.len();
         let effort = Effort::of(&problem, &log, &outcome, device, warnings);
         let Some(winner) = &outcome.winner else { return self.report_nothing(effort, &outcome, folder.as_ref()) };
         let tuning = Tuning::of(effort, &problem, &log, winner)?;
@@ -123,6 +125,7 @@ impl Tune {
         } else {
             files::print(&tuning.to_string())?;
         }
+        tuning.effort.warnings[said..].iter().for_each(|warning| console.warn(warning));
         let interrupted = outcome.stop == StopReason::Interrupted;
         Ok(if interrupted { Ending::Interrupted } else { Ending::Done })
     }
@@ -155,12 +158,7 @@ impl Tune {
         } else {
             files::print(&nothing.effort.to_string())?;
         }
-        console::error(&anyhow!(
-            "no usable candidate: {} of {} evaluations failed (check with `kfgpu filter` that the start values run, and \
-             narrow the bounds)",
-            outcome.failed,
-            outcome.evaluations
-        ));
+        console::error(&anyhow!("no usable candidate: {}", why_nothing(outcome)));
         Ok(if interrupted { Ending::Interrupted } else { Ending::NotUsable })
     }
 
@@ -187,5 +185,22 @@ impl Tune {
         .into_iter()
         .flatten()
         .collect()
+    }
+}
+
+/// Why a study has no winner.
+fn why_nothing(Outcome { evaluations, failed, .. }: &Outcome) -> String {
+    if *evaluations == 0 {
+        "the search was stopped before its first generation was done".to_owned()
+    } else if failed == evaluations {
+        format!(
+            "all {evaluations} evaluations failed (check with `kfgpu filter` that the start values run, and narrow the \
+             bounds)"
+        )
+    } else {
+        format!(
+            "the f64 reference could run none of the best candidates, {failed} of {evaluations} evaluations failed (give \
+             --precision f64 or narrow the bounds)"
+        )
     }
 }

@@ -5,10 +5,13 @@ use std::fmt;
 use nalgebra::DMatrix;
 use serde::Serialize;
 
-use super::number::significant;
+use super::number::short;
 use crate::data::{Log, Summary};
 use crate::model::Problem;
-use crate::reference::{self, Run, Steady, Update};
+use crate::reference::{self, Steady, Step};
+
+/// Significant digits of an entry: more than any tuned variance has.
+const DIGITS: usize = 8;
 
 /// A matrix as nested lists: what JSON and NumPy read.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -27,7 +30,7 @@ impl From<&DMatrix<f64>> for Matrix {
 impl fmt::Display for Matrix {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let cells: Vec<Vec<String>> =
-            self.rows.iter().map(|row| row.iter().map(|v| significant_or_integer(*v)).collect()).collect();
+            self.rows.iter().map(|row| row.iter().map(|v| short(*v, DIGITS)).collect()).collect();
         let width = cells.iter().flatten().map(String::len).max().unwrap_or(0);
         let indent = " ".repeat(f.width().unwrap_or(0));
         f.write_str("[")?;
@@ -42,16 +45,11 @@ impl fmt::Display for Matrix {
     }
 }
 
-/// Eight digits are more than any tuned variance has; whole numbers stay whole.
-fn significant_or_integer(value: f64) -> String {
-    if value.fract().abs() <= 0.0 && value.abs() < 1e9 { format!("{value}") } else { significant(value, 8) }
-}
-
 /// The model's matrices for one candidate.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[expect(non_snake_case, reason = "Kalman notation: F, H, Q, R, K")]
 pub struct Matrices {
-    /// Interval that F, Q and a steady K are for [s]: the log's, or its median.
+    /// Interval that F, Q and a steady K are for \[s\]: the log's, or its median.
     pub dt: f64,
     /// Transition, n x n, inputs at zero.
     pub F: Matrix,
@@ -78,15 +76,15 @@ pub enum Gain {
 }
 
 impl Matrices {
-    /// The matrices of `candidate`, whose run over the log is `run`.
+    /// The matrices of `candidate`; `last_gain` (n x m) stands in where its filter settles to none.
     #[must_use]
-    pub fn of(problem: &Problem, log: &Log, candidate: &[f64], run: &Run) -> Self {
+    pub fn of(problem: &Problem, log: &Log, candidate: &[f64], last_gain: Option<DMatrix<f64>>) -> Self {
         let regular = log.regular_dt();
         let dt = regular.or_else(|| Summary::of(log).dt.map(|dt| dt.median)).unwrap_or(1.0);
         let model = reference::Matrices::of(problem, candidate, dt);
         let steady = regular.and_then(|dt| reference::steady_gain(problem, candidate, dt));
         let gain = if steady.is_some() { Gain::Steady } else { Gain::Last };
-        let k = steady.map(|Steady { k, .. }| k).or_else(|| last_gain(run, problem.model.measurements.len()));
+        let k = steady.map(|Steady { k, .. }| k).or(last_gain);
         Self {
             dt,
             F: (&model.f).into(),
@@ -99,11 +97,14 @@ impl Matrices {
     }
 }
 
-/// The gain of the last row where all `m` components are present.
-fn last_gain(run: &Run, m: usize) -> Option<DMatrix<f64>> {
-    let updates = run.trajectories.iter().rev().flat_map(|steps| steps.iter().rev());
-    let complete = updates.filter_map(|step| step.update.as_ref()).find(|update: &&Update| update.present.len() == m);
-    complete.map(|update| update.k.clone())
+/// Keeps the gain of a row where all `m` components are present.
+pub(super) fn keep_complete_gain(gain: &mut Option<DMatrix<f64>>, step: &Step, m: usize) {
+    if let Some(update) = step.update.as_ref().filter(|update| update.present.len() == m) {
+        match gain {
+            Some(gain) => gain.copy_from(&update.k),
+            None => *gain = Some(update.k.clone()),
+        }
+    }
 }
 
 /// One matrix a line, with its name.
@@ -128,7 +129,7 @@ mod tests {
     fn a_matrix_reads_as_numpy_and_json() {
         let matrix = Matrix::from(&DMatrix::from_row_slice(2, 2, &[1.0, 0.25, 0.0, -1.0 / 3.0]));
         let text = format!("{matrix:4}");
-        assert_eq!(text, "[[          1,  0.25000000],\n     [          0, -0.33333333]]");
+        assert_eq!(text, "[[          1,        0.25],\n     [          0, -0.33333333]]");
         let read: Vec<Vec<f64>> = serde_json::from_str(&text).unwrap();
         assert!((read[1][1] + 1.0 / 3.0).abs() < 1e-8, "pasted text reads back: {text}");
         assert_eq!(serde_json::to_string(&matrix).unwrap(), "[[1.0,0.25],[0.0,-0.3333333333333333]]");

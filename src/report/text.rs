@@ -58,7 +58,9 @@ impl Tuning {
     fn parameter_table(&self) -> TextTable {
         let mut table = TextTable::new(["parameter", "unit", "baseline", "tuned", "note"]);
         for (name, tuned) in self.parameters.iter() {
-            let note = self.at_bound.get(name).map_or_else(String::new, |bound| format!("at its {bound} bound"));
+            let bound = self.at_bound.get(name).map(|bound| format!("at its {bound} bound"));
+            let truth = self.simulated_with.get(name).map(|truth| format!("simulated with {}", short(*truth, DIGITS)));
+            let note = [bound, truth].into_iter().flatten().collect::<Vec<_>>().join("; ");
             let unit = self.effort.units.get(name).cloned().flatten().unwrap_or_default();
             let baseline = self.effort.baseline.parameters.get(name).map_or_else(String::new, |v| short(*v, DIGITS));
             table.push([name.to_owned(), unit, baseline, short(*tuned, DIGITS), note]);

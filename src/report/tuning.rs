@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Bound, Consistency, Matrices, Named, raw_rmse};
+use super::{Bound, Consistency, Evidence, Matrices, Named, Warning, matrices, raw_rmse};
 use crate::data::Log;
 use crate::evaluate::Device;
 use crate::model::Problem;
@@ -35,9 +35,9 @@ pub struct Effort {
     pub stop: StopReason,
     /// Where candidates were computed.
     pub device: Device,
-    /// The whole study [s].
+    /// The whole study \[s\].
     pub wall_s: f64,
-    /// The part of it spent evaluating [s].
+    /// The part of it spent evaluating \[s\].
     pub evaluate_s: f64,
     /// What the user should look at.
     pub warnings: Vec<String>,
@@ -58,13 +58,12 @@ pub struct LogFacts {
 /// otherwise; parameters are in their own units.
 #[derive(Debug, Clone, Serialize)]
 pub struct Tuning {
-    /// How it was found.
-    #[serde(flatten)]
-    pub effort: Effort,
     /// The winner.
     pub parameters: Named<f64>,
     /// Bounds that the winner sits on, of the parameters that do.
     pub at_bound: Named<Bound>,
+    /// Values that the log was simulated with, of the parameters whose baseline they are not.
+    pub simulated_with: Named<f64>,
     /// The winner's objectives.
     pub objectives: Named<f64>,
     /// Rows that updated the tuned filter: nll / this is the nll per step.
@@ -83,14 +82,15 @@ pub struct Tuning {
     pub matrices: Matrices,
     /// RMSE of the raw measurements, for `rmse` objectives whose states are measured directly.
     pub raw_measurements: Named<f64>,
+    /// How it was found.
+    #[serde(flatten)]
+    pub effort: Effort,
 }
 
 /// The result of a study without a usable candidate: everything that a [`Tuning`] would add is null.
 #[derive(Debug, Clone, Serialize)]
 #[expect(missing_docs, reason = "as in Tuning")]
 pub struct Nothing {
-    #[serde(flatten)]
-    pub effort: Effort,
     pub parameters: (),
     pub objectives: (),
     pub validation: (),
@@ -99,6 +99,8 @@ pub struct Nothing {
     pub front: (),
     pub polish: (),
     pub matrices: (),
+    #[serde(flatten)]
+    pub effort: Effort,
 }
 
 /// Parameters and their objectives.
@@ -189,27 +191,36 @@ impl Tuning {
     /// # Errors
     /// If that run fails; it does not for a winner of [`study::run`].
     pub fn of(effort: Effort, problem: &Problem, log: &Log, winner: &Winner) -> Result<Self, Failure> {
-        let run = reference::run(problem, log, &winner.candidate)?;
+        let mut evidence = Evidence::new(problem, log);
+        let mut last_gain = None;
+        reference::visit(problem, log, &winner.candidate, &mut |trajectory, step| {
+            evidence.add(trajectory, step);
+            matrices::keep_complete_gain(&mut last_gain, step, log.measurements.len());
+        })?;
         let at_bound = problem
             .parameters
             .searched()
             .zip(&winner.candidate)
             .filter_map(|((parameter, search), value)| Some((parameter.name.clone(), Bound::of(search, *value)?)));
         let raw = problem.tune.objectives.iter().filter_map(|o| Some((o.name(), raw_rmse(problem, log, o)?)));
-        Ok(Self {
+        let mut tuning = Self {
             effort,
             parameters: parameters(problem, &winner.candidate),
             at_bound: at_bound.collect(),
+            simulated_with: simulated_with(problem),
             objectives: objectives(problem, &winner.objectives),
-            measured_rows: run.trajectories.iter().flatten().filter(|step| step.update.is_some()).count(),
+            measured_rows: evidence.measured_rows(),
             validation: None,
-            consistency: Consistency::of(problem, log, &winner.candidate, &run),
+            consistency: evidence.judge(problem, &winner.candidate),
             certificate: Certificate::of(problem, &winner.certificate),
             front: None,
             polish: winner.polish.as_ref().map(|polish| Polish::of(problem, polish)),
-            matrices: Matrices::of(problem, log, &winner.candidate, &run),
+            matrices: Matrices::of(problem, log, &winner.candidate, last_gain),
             raw_measurements: raw.collect(),
-        })
+        };
+        let found = Warning::of(&tuning);
+        tuning.effort.warnings.extend(found.iter().map(ToString::to_string));
+        Ok(tuning)
     }
 }
 
@@ -234,6 +245,11 @@ impl Polish {
             after: objectives(problem, &polish.after),
         }
     }
+}
+
+fn simulated_with(problem: &Problem) -> Named<f64> {
+    let spec = problem.simulate.as_ref().filter(|_| problem.data.file.is_none());
+    spec.into_iter().flat_map(|spec| spec.parameters.iter().cloned()).collect()
 }
 
 fn parameters(problem: &Problem, candidate: &[f64]) -> Named<f64> {

@@ -4,7 +4,9 @@
 #![expect(clippy::missing_assert_message, reason = "the values compared say it")]
 
 mod bad_input;
+mod bench;
 mod command;
 mod evaluate;
+mod examples;
 mod filter;
 mod tune;

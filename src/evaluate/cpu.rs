@@ -197,10 +197,10 @@ fn nominal(problem: &Problem, log: &Log) -> Result<Nominal, TraceError> {
         let mut registers = candidate.clone();
         run_one(&program.prologue, &mut registers, &span.scalars);
         let mut results = registers[program.parameters..].to_vec();
-        let states = program.carried.iter().filter(|c| c.role == Role::State).count();
-        let invariants = results.split_off(states);
+        let carried = program.carried.iter().filter(|c| c.role == Role::State).count();
+        let invariants = results.split_off(carried);
         // The check, where there is one, stands between the carried states and the invariants.
-        let checks = program.carried[states..].iter().map(|_| 1.0);
+        let checks = program.carried[carried..].iter().map(|_| 1.0);
         let mut registers: Vec<f64> = results.into_iter().chain(checks).chain(invariants).collect();
         for row in span.rows.clone() {
             states.extend(program.entries[..n].iter().map(|entry| match entry {

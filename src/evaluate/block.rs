@@ -71,17 +71,18 @@ fn start<T: Lane, const C: usize, const B: usize>(
     registers: &mut [Register<T, C, B>],
 ) {
     let mut results = prologue[program.parameters..].iter();
-    let mut result = || results.next().map(|r| r.map(T::from_f64));
-    for (i, carried) in program.carried.iter().enumerate() {
-        registers[i] = match carried.role {
-            Role::State => result().unwrap_or(Register::splat(T::ZERO)),
-            Role::Sum => Register::splat(T::ZERO),
-            Role::Product | Role::Check => Register::splat(T::ONE),
-        };
+    let mut take = |register: &mut Register<T, C, B>| {
+        let Some(result) = results.next() else { return };
+        register.lanes_mut().iter_mut().zip(result.lanes()).for_each(|(to, from)| *to = T::from_f64(*from));
+    };
+    for (carried, register) in program.carried.iter().zip(&mut *registers) {
+        match carried.role {
+            Role::State => take(register),
+            Role::Sum => register.lanes_mut().fill(T::ZERO),
+            Role::Product | Role::Check => register.lanes_mut().fill(T::ONE),
+        }
     }
-    for register in &mut registers[program.carried.len()..][..program.invariants] {
-        *register = result().unwrap_or(Register::splat(T::ZERO));
-    }
+    registers[program.carried.len()..][..program.invariants].iter_mut().for_each(take);
 }
 
 /// The time loop. Sums are moved to f64 every [`Program::BLOCK`] rows, exponents of products every few.
@@ -96,16 +97,18 @@ fn run_rows<T: Lane, const C: usize, const B: usize>(
     let columns = program.columns;
     let mut scalars: Vec<T> = vec![T::ZERO; columns];
     scalars.extend_from_slice(constants);
+    let mut exponents = vec![Register::<T, C, B>::splat(T::ZERO); sums.len()];
     for (k, row) in rows.enumerate() {
         scalars[..columns].copy_from_slice(&record[row * columns..(row + 1) * columns]);
         run(&program.step.operations, registers, &scalars);
         if (k + 1) % T::STEPS_PER_SPLIT == 0 {
-            split_products(program, registers, sums);
+            split_products(program, registers, &mut exponents);
         }
         if (k + 1) % Program::BLOCK == 0 {
-            move_sums(program, registers, sums);
+            move_sums(program, registers, &mut exponents, sums);
         }
     }
+    move_sums(program, registers, &mut exponents, sums);
 }
 
 /// Slots with their register and role, in the order of [`Program::totals`].
@@ -114,55 +117,54 @@ fn slots(program: &Program) -> impl Iterator<Item = (usize, Role)> + '_ {
     carried.filter(|(_, c)| matches!(c.role, Role::Sum | Role::Product)).map(|(i, c)| (i, c.role))
 }
 
-/// Takes the exponents out of the running products: for these the total counts powers of two.
+/// Takes the exponents out of the running products. They are whole numbers, so their own running sums are exact.
 #[inline(always)]
 fn split_products<T: Lane, const C: usize, const B: usize>(
     program: &Program,
     registers: &mut [Register<T, C, B>],
-    sums: &mut [Register<f64, C, B>],
+    exponents: &mut [Register<T, C, B>],
 ) {
-    for ((i, role), sum) in slots(program).zip(sums) {
+    for ((i, role), exponents) in slots(program).zip(exponents) {
         if role != Role::Product {
             continue;
         }
-        for (product, sum) in registers[i].lanes_mut().iter_mut().zip(sum.lanes_mut()) {
+        for (product, sum) in registers[i].lanes_mut().iter_mut().zip(exponents.lanes_mut()) {
             let (mantissa, exponent) = product.split();
             *product = mantissa;
-            *sum += exponent.to_f64();
+            *sum = *sum + exponent;
         }
     }
 }
 
-/// Moves running sums to their f64 totals.
+/// Moves running sums, of products the exponents, to their f64 totals.
 #[inline(always)]
 fn move_sums<T: Lane, const C: usize, const B: usize>(
     program: &Program,
     registers: &mut [Register<T, C, B>],
+    exponents: &mut [Register<T, C, B>],
     sums: &mut [Register<f64, C, B>],
 ) {
-    for ((i, role), sum) in slots(program).zip(sums) {
-        if role != Role::Sum {
-            continue;
-        }
-        for (part, sum) in registers[i].lanes_mut().iter_mut().zip(sum.lanes_mut()) {
+    for (((i, role), exponents), sum) in slots(program).zip(exponents).zip(sums) {
+        let parts = if role == Role::Product { exponents } else { &mut registers[i] };
+        for (part, sum) in parts.lanes_mut().iter_mut().zip(sum.lanes_mut()) {
             *sum += part.to_f64();
             *part = T::ZERO;
         }
     }
 }
 
-/// The last totals: what is left in the registers, and ln of the products.
+/// The last totals: ln of the products.
 fn finish<T: Lane, const C: usize, const B: usize>(
     program: &Program,
     registers: &[Register<T, C, B>],
     sums: &mut [Register<f64, C, B>],
 ) {
     for ((i, role), sum) in slots(program).zip(sums) {
+        if role != Role::Product {
+            continue;
+        }
         for (rest, sum) in registers[i].lanes().iter().zip(sum.lanes_mut()) {
-            *sum = match role {
-                Role::Product => rest.to_f64().ln() + *sum * std::f64::consts::LN_2,
-                _ => *sum + rest.to_f64(),
-            };
+            *sum = rest.to_f64().ln() + *sum * std::f64::consts::LN_2;
         }
     }
 }
@@ -201,20 +203,25 @@ versions! {
     f64_16: f64, 8 x 2;
     f64_8: f64, 8 x 1;
     f32_256: f32, 16 x 16;
-    f32_64: f32, 16 x 4;
+    f32_128: f32, 16 x 8;
     f32_16: f32, 16 x 1;
 }
 
 /// A lane type with its block sizes.
 pub(super) trait Blocks: Lane {
-    /// The widest block.
-    const WIDEST: usize;
-    /// Runs a block of at most [`Self::WIDEST`] candidates, in the narrowest that holds them.
+    /// Candidates of the widest block of a program: its registers should stay in a core's first cache (32 KiB or more).
+    fn widest(program: &Program) -> usize;
+    /// Runs a block of at most [`Self::widest`] candidates, in the narrowest that holds them.
     fn run(rounded: &Rounded<Self>, candidates: &[f64]) -> Totals;
 }
 
+/// Registers of 1 KiB that leave some of a 32 KiB cache to the rest.
+const WIDE_REGISTERS: usize = 28;
+
 impl Blocks for f64 {
-    const WIDEST: usize = 128;
+    fn widest(program: &Program) -> usize {
+        if program.step.registers <= WIDE_REGISTERS { 128 } else { 64 }
+    }
 
     fn run(rounded: &Rounded<Self>, candidates: &[f64]) -> Totals {
         match candidates.len() / rounded.program.parameters.max(1) {
@@ -227,12 +234,14 @@ impl Blocks for f64 {
 }
 
 impl Blocks for f32 {
-    const WIDEST: usize = 256;
+    fn widest(program: &Program) -> usize {
+        if program.step.registers <= WIDE_REGISTERS { 256 } else { 128 }
+    }
 
     fn run(rounded: &Rounded<Self>, candidates: &[f64]) -> Totals {
         match candidates.len() / rounded.program.parameters.max(1) {
             0..=16 => f32_16(rounded, candidates),
-            17..=64 => f32_64(rounded, candidates),
+            17..=128 => f32_128(rounded, candidates),
             _ => f32_256(rounded, candidates),
         }
     }

@@ -96,10 +96,10 @@ impl CpuEvaluator {
     }
 
     /// Candidates of the widest block.
-    const fn widest(&self) -> usize {
-        match self.machine {
-            Machine::F32(_) => f32::WIDEST,
-            Machine::F64(_) => f64::WIDEST,
+    fn widest(&self) -> usize {
+        match &self.machine {
+            Machine::F32(rounded) => f32::widest(&rounded.program),
+            Machine::F64(rounded) => f64::widest(&rounded.program),
         }
     }
 

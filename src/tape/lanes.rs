@@ -136,12 +136,6 @@ impl<T: Copy, const C: usize, const B: usize> Register<T, C, B> {
     pub const fn lanes_mut(&mut self) -> &mut [T] {
         self.0.as_flattened_mut()
     }
-
-    /// Every lane through `f`.
-    #[inline(always)]
-    pub fn map<U>(self, f: impl Fn(T) -> U) -> Register<U, C, B> {
-        Register(self.0.map(|chunk| chunk.map(&f)))
-    }
 }
 
 /// Runs `tape` once.
@@ -167,78 +161,59 @@ pub fn run_one(tape: &Tape, registers: &mut Vec<f64>, scalars: &[f64]) {
     *registers = wide.into_iter().map(|r| r.0[0][0]).collect();
 }
 
+/// `r[to] = f(registers, scalars)`, chunk by chunk. Every operand of a chunk is loaded before its result is stored, and each
+/// has a name of its own: arrays of operands would be transposed in memory instead of staying in vector registers.
+macro_rules! chunks {
+    ($r:ident[$to:ident], [$($register:ident),*], $s:ident[$($scalar:ident),*], $f:expr) => {{
+        $(let $scalar = $s[$scalar as usize];)*
+        for k in 0..B {
+            $(let $register = $r[$register as usize].0[k];)*
+            $r[$to].0[k] = from_fn(|_lane| {
+                $(let $register = $register[_lane];)*
+                $f
+            });
+        }
+    }};
+}
+
 #[inline(always)]
 fn execute<T: Lane, const C: usize, const B: usize>(op: &Operation, r: &mut [Register<T, C, B>], s: &[T]) {
     use Argument::{Register as R, Scalar as S};
     use Binary::{Add, Divide, Multiply, Subtract};
-    let to = op.register;
-    let s = |scalar: u16| s[scalar as usize];
+    let to = op.register as usize;
     match (op.code, op.arguments) {
-        (Code::Binary(Add), [R(a), R(b), ..]) => apply(r, to, [a, b], [], |[a, b], []| a + b),
-        (Code::Binary(Add), [R(a), S(b), ..]) => apply(r, to, [a], [s(b)], |[a], [b]| a + b),
-        (Code::Binary(Subtract), [R(a), R(b), ..]) => apply(r, to, [a, b], [], |[a, b], []| a - b),
-        (Code::Binary(Subtract), [R(a), S(b), ..]) => apply(r, to, [a], [s(b)], |[a], [b]| a - b),
-        (Code::Binary(Subtract), [S(a), R(b), ..]) => apply(r, to, [b], [s(a)], |[b], [a]| a - b),
-        (Code::Binary(Multiply), [R(a), R(b), ..]) => apply(r, to, [a, b], [], |[a, b], []| a * b),
-        (Code::Binary(Multiply), [R(a), S(b), ..]) => apply(r, to, [a], [s(b)], |[a], [b]| a * b),
-        (Code::Binary(Divide), [R(a), R(b), ..]) => apply(r, to, [a, b], [], |[a, b], []| a / b),
-        (Code::Binary(Divide), [S(a), R(b), ..]) => apply(r, to, [b], [s(a)], |[b], [a]| a / b),
-        (Code::MultiplyAdd, [R(a), R(b), R(c), ..]) => apply(r, to, [a, b, c], [], |[a, b, c], []| a * b + c),
-        (Code::MultiplyAdd, [R(a), S(b), R(c), ..]) => apply(r, to, [a, c], [s(b)], |[a, c], [b]| a * b + c),
-        (Code::MultiplyAdd, [R(a), R(b), S(c), ..]) => apply(r, to, [a, b], [s(c)], |[a, b], [c]| a * b + c),
-        (Code::MultiplySubtract, [R(a), R(b), R(c), ..]) => apply(r, to, [a, b, c], [], |[a, b, c], []| a * b - c),
-        (Code::MultiplySubtract, [R(a), S(b), R(c), ..]) => apply(r, to, [a, c], [s(b)], |[a, c], [b]| a * b - c),
-        (Code::SubtractProduct, [R(a), R(b), R(c), ..]) => apply(r, to, [a, b, c], [], |[a, b, c], []| c - a * b),
-        (Code::SubtractProduct, [R(a), S(b), R(c), ..]) => apply(r, to, [a, c], [s(b)], |[a, c], [b]| c - a * b),
-        (Code::SubtractProduct, [R(a), R(b), S(c), ..]) => apply(r, to, [a, b], [s(c)], |[a, b], [c]| c - a * b),
-        (Code::Dot, [R(a), R(b), R(c), R(d), _]) => {
-            apply(r, to, [a, b, c, d], [], |[a, b, c, d], []| a * b + c * d);
-        }
-        (Code::Dot, [R(a), R(b), R(c), S(d), _]) => {
-            apply(r, to, [a, b, c], [s(d)], |[a, b, c], [d]| a * b + c * d);
-        }
-        (Code::Dot, [R(a), S(b), R(c), R(d), _]) => {
-            apply(r, to, [a, c, d], [s(b)], |[a, c, d], [b]| a * b + c * d);
-        }
-        (Code::Dot, [R(a), S(b), R(c), S(d), _]) => {
-            apply(r, to, [a, c], [s(b), s(d)], |[a, c], [b, d]| a * b + c * d);
-        }
-        (Code::DotAdd, [R(a), R(b), R(c), R(d), R(e)]) => {
-            apply(r, to, [a, b, c, d, e], [], |[a, b, c, d, e], []| (a * b + e) + c * d);
-        }
-        (Code::DotAdd, [R(a), R(b), R(c), S(d), R(e)]) => {
-            apply(r, to, [a, b, c, e], [s(d)], |[a, b, c, e], [d]| (a * b + e) + c * d);
-        }
-        (Code::DotAdd, [R(a), S(b), R(c), R(d), R(e)]) => {
-            apply(r, to, [a, c, d, e], [s(b)], |[a, c, d, e], [b]| (a * b + e) + c * d);
-        }
-        (Code::DotAdd, [R(a), S(b), R(c), S(d), R(e)]) => {
-            apply(r, to, [a, c, e], [s(b), s(d)], |[a, c, e], [b, d]| (a * b + e) + c * d);
-        }
-        (Code::MultiplyPositive, [R(a), R(b), ..]) => apply(r, to, [a, b], [], |[a, b], []| a * positive(b)),
-        (Code::Select, [S(a), R(b), S(c), ..]) => {
-            let then = s(a) > T::ZERO;
-            apply(r, to, [b], [s(c)], |[b], [c]| if then { b } else { c });
-        }
-        (Code::Select, [R(a), R(b), S(c), ..]) => {
-            apply(r, to, [a, b], [s(c)], |[a, b], [c]| if a > T::ZERO { b } else { c });
-        }
+        (Code::Copy, [R(a), ..]) => chunks!(r[to], [a], s[], a),
+        (Code::Copy, [S(a), ..]) => chunks!(r[to], [], s[a], a),
+        (Code::Unary(Unary::Negate), [R(a), ..]) => chunks!(r[to], [a], s[], -a),
+        (Code::Binary(Add), [R(a), R(b), ..]) => chunks!(r[to], [a, b], s[], a + b),
+        (Code::Binary(Add), [R(a), S(b), ..]) => chunks!(r[to], [a], s[b], a + b),
+        (Code::Binary(Subtract), [R(a), R(b), ..]) => chunks!(r[to], [a, b], s[], a - b),
+        (Code::Binary(Subtract), [R(a), S(b), ..]) => chunks!(r[to], [a], s[b], a - b),
+        (Code::Binary(Subtract), [S(a), R(b), ..]) => chunks!(r[to], [b], s[a], a - b),
+        (Code::Binary(Multiply), [R(a), R(b), ..]) => chunks!(r[to], [a, b], s[], a * b),
+        (Code::Binary(Multiply), [R(a), S(b), ..]) => chunks!(r[to], [a], s[b], a * b),
+        (Code::Binary(Divide), [R(a), R(b), ..]) => chunks!(r[to], [a, b], s[], a / b),
+        (Code::Binary(Divide), [S(a), R(b), ..]) => chunks!(r[to], [b], s[a], a / b),
+        (Code::MultiplyAdd, [R(a), R(b), R(c), ..]) => chunks!(r[to], [a, b, c], s[], a * b + c),
+        (Code::MultiplyAdd, [R(a), S(b), R(c), ..]) => chunks!(r[to], [a, c], s[b], a * b + c),
+        (Code::MultiplyAdd, [R(a), R(b), S(c), ..]) => chunks!(r[to], [a, b], s[c], a * b + c),
+        (Code::MultiplySubtract, [R(a), R(b), R(c), ..]) => chunks!(r[to], [a, b, c], s[], a * b - c),
+        (Code::MultiplySubtract, [R(a), S(b), R(c), ..]) => chunks!(r[to], [a, c], s[b], a * b - c),
+        (Code::SubtractProduct, [R(a), R(b), R(c), ..]) => chunks!(r[to], [a, b, c], s[], c - a * b),
+        (Code::SubtractProduct, [R(a), S(b), R(c), ..]) => chunks!(r[to], [a, c], s[b], c - a * b),
+        (Code::SubtractProduct, [R(a), R(b), S(c), ..]) => chunks!(r[to], [a, b], s[c], c - a * b),
+        (Code::Dot, [R(a), R(b), R(c), R(d), _]) => chunks!(r[to], [a, b, c, d], s[], a * b + c * d),
+        (Code::Dot, [R(a), R(b), R(c), S(d), _]) => chunks!(r[to], [a, b, c], s[d], a * b + c * d),
+        (Code::Dot, [R(a), S(b), R(c), R(d), _]) => chunks!(r[to], [a, c, d], s[b], a * b + c * d),
+        (Code::Dot, [R(a), S(b), R(c), S(d), _]) => chunks!(r[to], [a, c], s[b, d], a * b + c * d),
+        (Code::DotAdd, [R(a), R(b), R(c), R(d), R(e)]) => chunks!(r[to], [a, b, c, d, e], s[], (a * b + e) + c * d),
+        (Code::DotAdd, [R(a), R(b), R(c), S(d), R(e)]) => chunks!(r[to], [a, b, c, e], s[d], (a * b + e) + c * d),
+        (Code::DotAdd, [R(a), S(b), R(c), R(d), R(e)]) => chunks!(r[to], [a, c, d, e], s[b], (a * b + e) + c * d),
+        (Code::DotAdd, [R(a), S(b), R(c), S(d), R(e)]) => chunks!(r[to], [a, c, e], s[b, d], (a * b + e) + c * d),
+        (Code::MultiplyPositive, [R(a), R(b), ..]) => chunks!(r[to], [a, b], s[], a * positive(b)),
+        (Code::Select, [S(a), R(b), S(c), ..]) => chunks!(r[to], [b], s[a, c], if a > T::ZERO { b } else { c }),
+        (Code::Select, [R(a), R(b), S(c), ..]) => chunks!(r[to], [a, b], s[c], if a > T::ZERO { b } else { c }),
         _ => general(op, r, s),
-    }
-}
-
-/// `to = f(registers, scalars)`, chunk by chunk: within one, every operand is loaded before the result is stored.
-#[inline(always)]
-fn apply<T: Lane, const C: usize, const B: usize, const R: usize, const S: usize>(
-    r: &mut [Register<T, C, B>],
-    to: u16,
-    registers: [u16; R],
-    scalars: [T; S],
-    f: impl Fn([T; R], [T; S]) -> T,
-) {
-    for k in 0..B {
-        let operands = registers.map(|a| r[a as usize].0[k]);
-        r[to as usize].0[k] = from_fn(|i| f(operands.map(|x| x[i]), scalars));
     }
 }
 
@@ -247,35 +222,27 @@ fn positive<T: Lane>(a: T) -> T {
     if a > T::ZERO { a } else { T::ZERO }
 }
 
-/// Any operation with operands from anywhere: the way of the rare ones.
-fn general<T: Lane, const C: usize, const B: usize>(
-    op: &Operation,
-    r: &mut [Register<T, C, B>],
-    scalar: impl Fn(u16) -> T,
-) {
-    for k in 0..B {
-        let fetch = |argument: Argument| match argument {
-            Argument::Register(a) => r[a as usize].0[k],
-            Argument::NONE => [T::ZERO; C],
-            Argument::Scalar(a) => [scalar(a); C],
-        };
-        let operands = op.arguments.map(fetch);
-        r[op.register as usize].0[k] = from_fn(|i| {
-            let [a, b, c, d, e] = operands.map(|x| x[i]);
-            match op.code {
-                Code::Copy => a,
-                Code::Unary(unary) => a.unary(unary),
-                Code::Binary(binary) => a.rare(binary, b),
-                Code::Select if a > T::ZERO => b,
-                Code::Select => c,
-                Code::MultiplyAdd => a * b + c,
-                Code::MultiplySubtract => a * b - c,
-                Code::SubtractProduct => c - a * b,
-                Code::Dot => a * b + c * d,
-                Code::DotAdd => (a * b + e) + c * d,
-                Code::MultiplyPositive => a * positive(b),
-            }
+/// Any operation with operands from anywhere, lane by lane: the way of the rare ones.
+fn general<T: Lane, const C: usize, const B: usize>(op: &Operation, r: &mut [Register<T, C, B>], s: &[T]) {
+    for lane in 0..B * C {
+        let [a, b, c, d, e] = op.arguments.map(|argument| match argument {
+            Argument::Register(register) => r[register as usize].lanes()[lane],
+            Argument::NONE => T::ZERO,
+            Argument::Scalar(scalar) => s[scalar as usize],
         });
+        r[op.register as usize].lanes_mut()[lane] = match op.code {
+            Code::Copy => a,
+            Code::Unary(unary) => a.unary(unary),
+            Code::Binary(binary) => a.rare(binary, b),
+            Code::Select if a > T::ZERO => b,
+            Code::Select => c,
+            Code::MultiplyAdd => a * b + c,
+            Code::MultiplySubtract => a * b - c,
+            Code::SubtractProduct => c - a * b,
+            Code::Dot => a * b + c * d,
+            Code::DotAdd => (a * b + e) + c * d,
+            Code::MultiplyPositive => a * positive(b),
+        };
     }
 }
 

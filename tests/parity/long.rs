@@ -46,7 +46,7 @@ fn a_record_holds_only_what_changes_from_row_to_row() {
     let short = sizes(&nll, Shape::regular(&[50]));
     assert_eq!(short, sizes(&nll, Shape::regular(&[5000])), "sizes do not depend on T");
     assert_eq!(short.0, 3, "three measurements a row; dt, weights and masks are folded");
-    assert_eq!(short.2, 6 + 3 + 1 + 1 + 1, "x, P of the one axis that stands for all, sum NIS, det S, check");
+    assert_eq!(short.2, 6 + 3 + 1 + 1, "x, P of the one axis that stands for all, sum NIS, det S");
     let gaps = sizes(&nll, Shape::regular(&[50]).without(&[Gap::Rows(0.3)]));
     assert_eq!(gaps.0, 3 + 1, "and one mask where whole rows are missing");
     let all = sizes(&cv(INNOVATIONS), Shape::regular(&[50]));

@@ -1,10 +1,10 @@
 //! What objectives see of a filter while it is traced, and of its sums when it has run.
 
 use super::columns::{Columns, Place, Rows};
+use super::covariance::Covariance;
 use super::kalman::Update;
 use super::nominal::Nominal;
 use super::program::Role;
-use super::symmetric::Symmetric;
 use crate::model::Problem;
 use crate::tape::{Graph, Id, Unary};
 
@@ -17,7 +17,7 @@ pub(crate) struct Scoring<'a> {
     pub(super) nominal: Option<&'a Nominal>,
     pub(super) update: &'a Update,
     pub(super) x: &'a [Id],
-    pub(super) p: &'a Symmetric,
+    pub(super) p: &'a Covariance,
     pub(super) sums: &'a mut Vec<(Role, Id)>,
 }
 
@@ -131,24 +131,10 @@ impl Scoring<'_> {
         self.g.unary(Unary::Sqrt, a)
     }
 
-    /// Normalised squared posterior error e' P^-1 e of all states, by P = L D L'.
+    /// Normalised squared posterior error e' P^-1 e of all states.
     pub(crate) fn normalised_error(&mut self) -> Id {
-        let n = self.states();
-        let (l, d) = self.p.ldl(self.g);
-        let mut sum = self.g.constant(0.0);
-        let mut solved: Vec<Id> = Vec::with_capacity(n);
-        for i in 0..n {
-            let mut e = self.error(i);
-            for j in 0..i {
-                let part = self.g.mul(l[i][j], solved[j]);
-                e = self.g.sub(e, part);
-            }
-            solved.push(e);
-            let square = self.g.mul(e, e);
-            let term = self.g.div(square, d[i]);
-            sum = self.g.add(sum, term);
-        }
-        sum
+        let errors: Vec<Id> = (0..self.states()).map(|i| self.error(i)).collect();
+        self.p.normalised_square(self.g, &errors)
     }
 
     /// Adds `weight * value` up over the rows of a trajectory; the slot of the sum.

@@ -4,3 +4,5 @@ mod case;
 mod cost;
 mod diffuse;
 mod equal;
+mod rule;
+mod shapes;

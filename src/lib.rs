@@ -8,6 +8,7 @@
 //!            -> study (the one loop) -> report;   reference = the independent f64 oracle
 //! ```
 
+pub mod bench;
 pub mod data;
 pub mod evaluate;
 pub mod filter;

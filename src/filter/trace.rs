@@ -11,7 +11,7 @@ use super::scoring::{Scoring, Traced};
 use crate::data::Log;
 use crate::model::{Problem, Start};
 use crate::objective::Objective;
-use crate::tape::{Calculator, Graph, Id, Leaf, Output, Tape};
+use crate::tape::{Calculator, Graph, Id, Leaf, Output, Tape, Unary};
 use nalgebra::{DMatrix, DVector};
 
 /// Traces the filter of `problem` over `log` for some objectives.
@@ -69,7 +69,8 @@ struct Step {
     /// Entries of x and of the covariance after the step.
     next: Vec<Id>,
     sums: Vec<(Role, Id)>,
-    pivots: Vec<Id>,
+    /// Innovation variances that no product watches over.
+    checked: Vec<Id>,
     traced: Vec<Traced>,
 }
 
@@ -98,9 +99,14 @@ impl Step {
             sums: &mut sums,
         };
         let traced = objectives.iter().map(|o| o.trace(&mut scoring)).collect();
+        let mut checked = update.pivots;
+        checked.retain(|pivot| {
+            let factor = tracer.g.unary(Unary::Positive, *pivot);
+            !sums.contains(&(Role::Product, factor))
+        });
         let (x, p) = recursion.predict(&mut tracer.g, &x, &p);
         let next = x.into_iter().chain(p.entries()).collect();
-        Ok(Self { form, next, sums, pivots: update.pivots, traced })
+        Ok(Self { form, next, sums, checked, traced })
     }
 
     /// Schedules the prologue and the step, and fills the record.
@@ -160,7 +166,9 @@ impl Step {
             let name = if *role == Role::Product { format!("product{i}") } else { format!("sum{i}") };
             carried.push(Carried { name, role: *role });
         }
-        carried.push(Carried { name: "check".to_owned(), role: Role::Check });
+        if !self.checked.is_empty() {
+            carried.push(Carried { name: "check".to_owned(), role: Role::Check });
+        }
         carried
     }
 
@@ -170,9 +178,10 @@ impl Step {
         for ((role, value), leaf) in self.sums.iter().zip(leaves) {
             next.push(if *role == Role::Product { g.mul(*leaf, *value) } else { g.add(*leaf, *value) });
         }
-        let failed = g.constant(-1.0);
-        let check = leaves.last().copied().unwrap_or(failed);
-        next.push(self.pivots.iter().fold(check, |check, pivot| g.select(*pivot, check, failed)));
+        if let Some(check) = leaves.get(self.sums.len()) {
+            let failed = g.constant(-1.0);
+            next.push(self.checked.iter().fold(*check, |check, pivot| g.select(*pivot, check, failed)));
+        }
         next
     }
 }

@@ -120,17 +120,17 @@ impl Factored {
         let (mut alpha, mut inverse, mut shrink) = (scalar.D, zero, one);
         for &j in &involved {
             let lambda = g.mul(f[j], inverse);
-            for i in 0..j {
-                let u = self.u[i][j];
-                self.u[i][j] = if alone == Some(i) {
+            for (i, (row, b)) in self.u.iter_mut().zip(&mut b).take(j).enumerate() {
+                let u = row[j];
+                row[j] = if alone == Some(i) {
                     // Where H sees state i alone, b_i f_j = u_ij (alpha_(j-1) - D): no cancellation under a diffuse prior.
                     g.mul(u, shrink)
                 } else {
-                    let part = g.mul(b[i], lambda);
+                    let part = g.mul(*b, lambda);
                     g.sub(u, part)
                 };
                 let more = g.mul(u, v[j]);
-                b[i] = g.add(b[i], more);
+                *b = g.add(*b, more);
             }
             let part = g.mul(v[j], f[j]);
             let next = g.add(alpha, part);
@@ -236,3 +236,6 @@ impl Rotation {
         Self { keep, gain: g.div(scaled, divisor) }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -174,6 +174,9 @@ fn execute<T: Lane, const C: usize, const B: usize>(op: &Operation, r: &mut [Reg
     let to = op.register;
     let s = |scalar: u16| s[scalar as usize];
     match (op.code, op.arguments) {
+        (Code::Unary(Unary::Negate), [R(a), ..]) => apply(r, to, [a], [], |[a], []| -a),
+        (Code::Unary(Unary::Positive), [R(a), ..]) => apply(r, to, [a], [], |[a], []| positive(a)),
+        (Code::Unary(Unary::Abs), [R(a), ..]) => apply(r, to, [a], [], |[a], []| a.unary(Unary::Abs)),
         (Code::Binary(Add), [R(a), R(b), ..]) => apply(r, to, [a, b], [], |[a, b], []| a + b),
         (Code::Binary(Add), [R(a), S(b), ..]) => apply(r, to, [a], [s(b)], |[a], [b]| a + b),
         (Code::Binary(Subtract), [R(a), R(b), ..]) => apply(r, to, [a, b], [], |[a, b], []| a - b),
@@ -183,9 +186,11 @@ fn execute<T: Lane, const C: usize, const B: usize>(op: &Operation, r: &mut [Reg
         (Code::Binary(Multiply), [R(a), S(b), ..]) => apply(r, to, [a], [s(b)], |[a], [b]| a * b),
         (Code::Binary(Divide), [R(a), R(b), ..]) => apply(r, to, [a, b], [], |[a, b], []| a / b),
         (Code::Binary(Divide), [S(a), R(b), ..]) => apply(r, to, [b], [s(a)], |[b], [a]| a / b),
+        (Code::Binary(Divide), [R(a), S(b), ..]) => apply(r, to, [a], [s(b)], |[a], [b]| a / b),
         (Code::MultiplyAdd, [R(a), R(b), R(c), ..]) => apply(r, to, [a, b, c], [], |[a, b, c], []| a * b + c),
         (Code::MultiplyAdd, [R(a), S(b), R(c), ..]) => apply(r, to, [a, c], [s(b)], |[a, c], [b]| a * b + c),
         (Code::MultiplyAdd, [R(a), R(b), S(c), ..]) => apply(r, to, [a, b], [s(c)], |[a, b], [c]| a * b + c),
+        (Code::MultiplyAdd, [R(a), S(b), S(c), ..]) => apply(r, to, [a], [s(b), s(c)], |[a], [b, c]| a * b + c),
         (Code::MultiplySubtract, [R(a), R(b), R(c), ..]) => apply(r, to, [a, b, c], [], |[a, b, c], []| a * b - c),
         (Code::MultiplySubtract, [R(a), S(b), R(c), ..]) => apply(r, to, [a, c], [s(b)], |[a, c], [b]| a * b - c),
         (Code::SubtractProduct, [R(a), R(b), R(c), ..]) => apply(r, to, [a, b, c], [], |[a, b, c], []| c - a * b),
@@ -222,6 +227,9 @@ fn execute<T: Lane, const C: usize, const B: usize>(op: &Operation, r: &mut [Reg
         }
         (Code::Select, [R(a), R(b), S(c), ..]) => {
             apply(r, to, [a, b], [s(c)], |[a, b], [c]| if a > T::ZERO { b } else { c });
+        }
+        (Code::Select, [R(a), S(b), S(c), ..]) => {
+            apply(r, to, [a], [s(b), s(c)], |[a], [b, c]| if a > T::ZERO { b } else { c });
         }
         _ => general(op, r, s),
     }

@@ -24,7 +24,7 @@ pub(super) struct Scalar<'a> {
 pub(super) struct Gain {
     /// Gain, n; 0 where gated off.
     pub(super) K: Vec<Id>,
-    /// Innovation variance H P H' + D.
+    /// Innovation variance H P H' + D; 1 where gated off.
     pub(super) S: Id,
     /// 1 / S; 0 where gated off.
     pub(super) inverse: Id,
@@ -92,8 +92,8 @@ impl Covariance {
         }
     }
 
-    /// e' P^-1 e.
-    pub(super) fn normalised_square(&self, g: &mut Graph, e: &[Id]) -> Id {
+    /// e' P^-1 e, and the pivots it divides by: all positive where P is positive definite.
+    pub(super) fn normalised_square(&self, g: &mut Graph, e: &[Id]) -> (Id, Vec<Id>) {
         match self {
             Self::Full(P) => P.normalised_square(g, e),
             Self::Factored(factors) => factors.normalised_square(g, e),
@@ -102,6 +102,12 @@ impl Covariance {
 }
 
 impl Scalar<'_> {
+    /// A missing component neither divides by its S nor has to have a positive one.
+    pub(super) fn gated(&self, g: &mut Graph, S: Id) -> Id {
+        let one = g.constant(1.0);
+        g.select(self.gate, S, one)
+    }
+
     /// The only state with a non-zero entry of H.
     pub(super) fn only_state(&self, g: &Graph) -> Option<usize> {
         let mut seen = (0..self.H.len()).filter(|i| !g.is(self.H[*i], 0.0));
@@ -137,6 +143,7 @@ impl Symmetric {
     fn update(&mut self, g: &mut Graph, scalar: &Scalar<'_>) -> Gain {
         let PH = self.times(g, scalar.H);
         let S = self.variance(g, scalar.H, scalar.D);
+        let S = scalar.gated(g, S);
         let inverse = g.div(scalar.gate, S);
         let K: Vec<Id> = PH.iter().map(|ph| g.mul(*ph, inverse)).collect();
         let seen = scalar.only_state(g);
@@ -158,7 +165,7 @@ impl Symmetric {
     }
 
     /// By P = L D L'.
-    fn normalised_square(&self, g: &mut Graph, e: &[Id]) -> Id {
+    fn normalised_square(&self, g: &mut Graph, e: &[Id]) -> (Id, Vec<Id>) {
         let (l, d) = self.ldl(g);
         let mut sum = g.constant(0.0);
         let mut solved: Vec<Id> = Vec::with_capacity(e.len());
@@ -173,6 +180,6 @@ impl Symmetric {
             let term = g.div(square, d[i]);
             sum = g.add(sum, term);
         }
-        sum
+        (sum, d)
     }
 }

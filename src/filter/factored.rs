@@ -136,7 +136,7 @@ impl Factored {
             let next = g.add(alpha, part);
             let last = involved.last() == Some(&j);
             // Only S, the last alpha, may not be 0 (else the candidate fails); b is 0 as long as alpha is.
-            let divisor = if last { next } else { g.select(next, next, one) };
+            let divisor = if last { scalar.gated(g, next) } else { g.select(next, next, one) };
             let open = if last { scalar.gate } else { g.mul(scalar.gate, next) };
             inverse = g.div(scalar.gate, divisor);
             let ratio = |g: &mut Graph, a: Id| {
@@ -148,11 +148,10 @@ impl Factored {
             shrink = ratio(g, scalar.D);
             alpha = next;
         }
-        if involved.is_empty() {
-            inverse = g.div(scalar.gate, alpha);
-        }
+        let s = scalar.gated(g, alpha);
+        let inverse = g.div(scalar.gate, s);
         let gains = b.iter().map(|b| g.mul(*b, inverse)).collect();
-        Gain { K: gains, S: alpha, inverse }
+        Gain { K: gains, S: s, inverse }
     }
 
     /// F P F' + Q.
@@ -195,7 +194,7 @@ impl Factored {
     }
 
     /// e' P^-1 e = sum_j y_j^2 / d_j with U y = e.
-    pub(super) fn normalised_square(&self, g: &mut Graph, e: &[Id]) -> Id {
+    pub(super) fn normalised_square(&self, g: &mut Graph, e: &[Id]) -> (Id, Vec<Id>) {
         let mut y = e.to_vec();
         let mut sum = g.constant(0.0);
         for j in (0..y.len()).rev() {
@@ -207,7 +206,7 @@ impl Factored {
             let term = g.div(square, self.d[j]);
             sum = g.add(sum, term);
         }
-        sum
+        (sum, self.d.clone())
     }
 }
 

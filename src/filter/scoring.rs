@@ -19,6 +19,8 @@ pub(crate) struct Scoring<'a> {
     pub(super) x: &'a [Id],
     pub(super) p: &'a Covariance,
     pub(super) sums: &'a mut Vec<(Role, Id)>,
+    /// What a candidate fails without.
+    pub(super) positive: &'a mut Vec<Id>,
 }
 
 /// The sums of one objective: which slots of the program, and over how much they run.
@@ -131,15 +133,27 @@ impl Scoring<'_> {
         self.g.unary(Unary::Sqrt, a)
     }
 
-    /// Normalised squared posterior error e' P^-1 e of all states.
-    pub(crate) fn normalised_error(&mut self) -> Id {
+    /// Normalised squared posterior error e' P^-1 e of all states where `gate` is positive, else 0. There P must be positive
+    /// definite.
+    pub(crate) fn normalised_error(&mut self, gate: Id) -> Id {
         let errors: Vec<Id> = (0..self.states()).map(|i| self.error(i)).collect();
-        self.p.normalised_square(self.g, &errors)
+        let (square, pivots) = self.p.normalised_square(self.g, &errors);
+        let (zero, one) = (self.g.constant(0.0), self.g.constant(1.0));
+        for pivot in pivots {
+            let positive = self.g.select(gate, pivot, one);
+            self.positive.push(positive);
+        }
+        self.g.select(gate, square, zero)
     }
 
     /// Adds `weight * value` up over the rows of a trajectory; the slot of the sum.
     pub(crate) fn sum(&mut self, value: Id, weight: Id) -> usize {
         let value = self.g.mul(value, weight);
+        self.total_of(value)
+    }
+
+    /// Adds `value` up over the rows of a trajectory; the slot of the sum.
+    pub(crate) fn total_of(&mut self, value: Id) -> usize {
         self.slot(Role::Sum, value)
     }
 

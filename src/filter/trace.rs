@@ -69,8 +69,8 @@ struct Step {
     /// Entries of x and of the covariance after the step.
     next: Vec<Id>,
     sums: Vec<(Role, Id)>,
-    /// Innovation variances that no product watches over.
-    checked: Vec<Id>,
+    /// What a candidate fails without, unless a product watches over it.
+    positive: Vec<Id>,
     traced: Vec<Traced>,
 }
 
@@ -86,7 +86,7 @@ impl Step {
         let entries = partition.nodes(&mut tracer.g);
         let p = Covariance::from_entries(&mut tracer.g, form, n, &entries[n..]);
         let (update, x, p) = recursion.update(&mut tracer.g, &entries[..n], &p);
-        let mut sums = Vec::new();
+        let (mut sums, mut positive) = (Vec::new(), update.pivots.clone());
         let mut scoring = Scoring {
             g: &mut tracer.g,
             columns: tracer.columns,
@@ -97,16 +97,16 @@ impl Step {
             x: &x,
             p: &p,
             sums: &mut sums,
+            positive: &mut positive,
         };
         let traced = objectives.iter().map(|o| o.trace(&mut scoring)).collect();
-        let mut checked = update.pivots;
-        checked.retain(|pivot| {
-            let factor = tracer.g.unary(Unary::Positive, *pivot);
+        positive.retain(|value| {
+            let factor = tracer.g.unary(Unary::Positive, *value);
             !sums.contains(&(Role::Product, factor))
         });
         let (x, p) = recursion.predict(&mut tracer.g, &x, &p);
         let next = x.into_iter().chain(p.entries()).collect();
-        Ok(Self { form, next, sums, checked, traced })
+        Ok(Self { form, next, sums, positive, traced })
     }
 
     /// Schedules the prologue and the step, and fills the record.
@@ -166,7 +166,7 @@ impl Step {
             let name = if *role == Role::Product { format!("product{i}") } else { format!("sum{i}") };
             carried.push(Carried { name, role: *role });
         }
-        if !self.checked.is_empty() {
+        if !self.positive.is_empty() {
             carried.push(Carried { name: "check".to_owned(), role: Role::Check });
         }
         carried
@@ -180,7 +180,7 @@ impl Step {
         }
         if let Some(check) = leaves.get(self.sums.len()) {
             let failed = g.constant(-1.0);
-            next.push(self.checked.iter().fold(*check, |check, pivot| g.select(*pivot, check, failed)));
+            next.push(self.positive.iter().fold(*check, |check, value| g.select(*value, check, failed)));
         }
         next
     }
@@ -257,6 +257,10 @@ fn start_values(tracer: &mut Tracer<'_>, t: usize, row: usize) -> Result<Vec<f64
 /// x = pinv(H) (z - h(0)) at the first used row; unmeasured directions are 0.
 fn measured_start(tracer: &mut Tracer<'_>, t: usize, row: usize) -> Result<Vec<f64>, TraceError> {
     let (n, m) = (tracer.problem.model.states.len(), tracer.problem.model.measurements.len());
+    let trajectory = &tracer.rows.log.trajectories[t];
+    let Some(z) = (tracer.rows.first[t] < trajectory.len()).then(|| trajectory.z.row(tracer.rows.first[t])) else {
+        return Ok(vec![f64::NAN; n]);
+    };
     let baseline = tracer.problem.parameters.baseline();
     let (jacobian, offset) = tracer.measurement_map(&baseline)?;
     let ids: Vec<Id> = jacobian.into_iter().flatten().chain(offset).collect();
@@ -267,13 +271,67 @@ fn measured_start(tracer: &mut Tracer<'_>, t: usize, row: usize) -> Result<Vec<f
             _ => f64::NAN,
         })
         .collect();
-    let trajectory = &tracer.rows.log.trajectories[t];
-    let Some(z) = (tracer.rows.first[t] < trajectory.len()).then(|| trajectory.z.row(tracer.rows.first[t])) else {
-        return Ok(vec![f64::NAN; n]);
-    };
     let h = DMatrix::from_row_slice(m, n, &values[..m * n]);
     let residual = DVector::from_iterator(m, z.iter().zip(&values[m * n..]).map(|(z, offset)| z - offset));
     // The singular values of a measurement matrix are far from the rounding error that this bound stands for.
-    let inverse = h.pseudo_inverse(1e-12).unwrap_or_else(|_| DMatrix::zeros(n, m));
+    let rounding = 1e-12 * h.norm();
+    let inverse = h.pseudo_inverse(rounding).unwrap_or_else(|_| DMatrix::zeros(n, m));
     Ok((inverse * residual).as_slice().to_vec())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::{Table, Trajectory};
+    use crate::evaluate::{CpuEvaluator, CpuOptions, Evaluator, Population};
+    use crate::reference;
+
+    fn log(trajectories: &[&[[f64; 2]]]) -> Log {
+        let trajectory = |rows: &&[[f64; 2]]| {
+            let (mut z, mut u, mut truth) = (Table::new(1), Table::new(1), Table::new(0));
+            for row in *rows {
+                z.push(&row[..1]);
+                u.push(&row[1..]);
+                truth.push(&[]);
+            }
+            let time = (0u32..).take(rows.len()).map(f64::from).collect();
+            Trajectory { id: String::new(), line: vec![2; rows.len()], time, z, u, truth }
+        };
+        Log {
+            source: "start.csv".to_owned(),
+            measurements: vec!["z".to_owned()],
+            inputs: vec!["u".to_owned()],
+            truth: vec![],
+            trajectories: trajectories.iter().map(trajectory).collect(),
+        }
+    }
+
+    fn problem(h: &str, r: &str) -> Problem {
+        let text = format!(
+            "[data]\nfile = \"none.csv\"\nmeasurements = [\"z\"]\ninputs = [\"u\"]\n[model]\nstate = [\"x\"]\nf = [\"x\"]\n\
+             h = [\"{h}\"]\nQ = [0.1]\nR = [\"{r}\"]\nx0 = \"measurement\"\nP0 = [4]\n[parameters]\n\
+             r = {{ min = 0.1, max = 9, start = 1 }}\n"
+        );
+        Problem::parse(&text, "start.toml").unwrap()
+    }
+
+    fn assert_equal(problem: &Problem, log: &Log) {
+        let mut lanes = CpuEvaluator::new(problem, log, CpuOptions::default()).unwrap();
+        let found = lanes.evaluate(&Population::from_rows(1, vec![2.0])).costs(0)[0];
+        let expected = reference::costs(problem, log, &[2.0]).unwrap()[0];
+        assert!((found - expected).abs() <= 1e-10 * expected.abs(), "found {found}, the reference says {expected}");
+    }
+
+    #[test]
+    fn a_last_trajectory_without_a_measurement_to_start_from_has_no_rows() {
+        let measured = [[f64::NAN, 0.5], [3.0, 0.25], [2.0, 0.0]];
+        let never = [[f64::NAN, 0.5], [f64::NAN, 0.25]];
+        assert_equal(&problem("x + u", "r"), &log(&[&measured, &never]));
+    }
+
+    #[test]
+    fn a_start_from_a_measurement_does_not_depend_on_units() {
+        let rows = [[3e-14, 0.0], [2e-14, 0.0], [4e-14, 0.0]];
+        assert_equal(&problem("x * 1e-14", "r * 1e-28"), &log(&[&rows]));
+    }
 }

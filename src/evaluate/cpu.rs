@@ -3,7 +3,7 @@
 use super::block::{Blocks, Rounded, Totals, instruction_set};
 use super::{Device, Evaluation, Evaluator, Population, Precision, Status};
 use crate::data::Log;
-use crate::filter::{Entry, Nominal, Program, Role, TraceError, trace};
+use crate::filter::{Entry, Form, Nominal, Program, Role, TraceError, trace, trace_as};
 use crate::model::Problem;
 use crate::objective::Objective;
 use crate::tape::lanes::run_one;
@@ -75,11 +75,25 @@ impl CpuEvaluator {
         objectives: &[Objective],
         options: CpuOptions,
     ) -> Result<Self, BuildError> {
+        Self::with_form(problem, log, objectives, options, None)
+    }
+
+    /// An evaluator that carries the covariance in a given form, to compare forms.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_form(
+        problem: &Problem,
+        log: &Log,
+        objectives: &[Objective],
+        options: CpuOptions,
+        form: Option<Form>,
+    ) -> Result<Self, BuildError> {
         let machine = match options.precision {
-            Precision::F64 => Machine::F64(Rounded::new(trace(problem, log, objectives, None)?)),
+            Precision::F64 => Machine::F64(Rounded::new(trace_as(problem, log, objectives, None, form)?)),
             Precision::F32 => {
                 let nominal = nominal(problem, log)?;
-                Machine::F32(Rounded::new(trace(problem, log, objectives, Some(nominal))?))
+                Machine::F32(Rounded::new(trace_as(problem, log, objectives, Some(nominal), form)?))
             }
         };
         let threads = options.threads.map_or_else(cores, NonZero::get);

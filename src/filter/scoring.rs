@@ -1,10 +1,10 @@
 //! What objectives see of a filter while it is traced, and of its sums when it has run.
 
 use super::columns::{Columns, Place, Rows};
+use super::covariance::Covariance;
 use super::kalman::Update;
 use super::nominal::Nominal;
 use super::program::Role;
-use super::symmetric::Symmetric;
 use crate::model::Problem;
 use crate::tape::{Graph, Id, Unary};
 
@@ -17,7 +17,7 @@ pub(crate) struct Scoring<'a> {
     pub(super) nominal: Option<&'a Nominal>,
     pub(super) update: &'a Update,
     pub(super) x: &'a [Id],
-    pub(super) p: &'a Symmetric,
+    pub(super) p: &'a Covariance,
     pub(super) sums: &'a mut Vec<(Role, Id)>,
     /// What a candidate fails without.
     pub(super) positive: &'a mut Vec<Id>,
@@ -133,28 +133,17 @@ impl Scoring<'_> {
         self.g.unary(Unary::Sqrt, a)
     }
 
-    /// Normalised squared posterior error e' P^-1 e of all states, by P = L D L', where `gate` is positive, else 0.
-    /// There P must be positive definite.
+    /// Normalised squared posterior error e' P^-1 e of all states where `gate` is positive, else 0. There P must be positive
+    /// definite.
     pub(crate) fn normalised_error(&mut self, gate: Id) -> Id {
-        let n = self.states();
+        let errors: Vec<Id> = (0..self.states()).map(|i| self.error(i)).collect();
+        let (square, pivots) = self.p.normalised_square(self.g, &errors);
         let (zero, one) = (self.g.constant(0.0), self.g.constant(1.0));
-        let (l, d) = self.p.ldl(self.g);
-        let mut sum = self.g.constant(0.0);
-        let mut solved: Vec<Id> = Vec::with_capacity(n);
-        for i in 0..n {
-            let mut e = self.error(i);
-            for j in 0..i {
-                let part = self.g.mul(l[i][j], solved[j]);
-                e = self.g.sub(e, part);
-            }
-            solved.push(e);
-            let square = self.g.mul(e, e);
-            let term = self.g.div(square, d[i]);
-            sum = self.g.add(sum, term);
-            let positive = self.g.select(gate, d[i], one);
+        for pivot in pivots {
+            let positive = self.g.select(gate, pivot, one);
             self.positive.push(positive);
         }
-        self.g.select(gate, sum, zero)
+        self.g.select(gate, square, zero)
     }
 
     /// Adds `weight * value` up over the rows of a trajectory; the slot of the sum.

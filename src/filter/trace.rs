@@ -2,11 +2,12 @@
 
 use super::carry::Partition;
 use super::columns::{Columns, Rows};
+use super::covariance::Covariance;
+use super::form::Form;
 use super::kalman::{TraceError, Tracer, narrow};
 use super::nominal::Nominal;
 use super::program::{Carried, Program, Role, Span};
 use super::scoring::{Scoring, Traced};
-use super::symmetric::Symmetric;
 use crate::data::Log;
 use crate::model::{Problem, Start};
 use crate::objective::Objective;
@@ -15,7 +16,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// Traces the filter of `problem` over `log` for some objectives.
 ///
-/// With `nominal` the deviation form is traced, which single precision needs.
+/// With `nominal` the deviation form is traced, which single precision needs; the covariance is then carried in the
+/// [`Form`] that P0 and R call for, and without one in full.
 ///
 /// # Errors
 /// If f or h is not affine in the states, or the deviation form cannot express a searched parameter.
@@ -25,16 +27,32 @@ pub fn trace(
     objectives: &[Objective],
     nominal: Option<Nominal>,
 ) -> Result<Program, TraceError> {
+    trace_as(problem, log, objectives, nominal, None)
+}
+
+/// [`trace`] with a given form of the covariance.
+///
+/// # Errors
+/// As [`trace`].
+pub fn trace_as(
+    problem: &Problem,
+    log: &Log,
+    objectives: &[Objective],
+    nominal: Option<Nominal>,
+    form: Option<Form>,
+) -> Result<Program, TraceError> {
     let rows = Rows::new(problem, log);
     let mut columns = Columns::default();
-    let mut partition = None;
+    let (mut form, mut partition) = (form, None);
     loop {
         let g = Graph::default();
         let mut tracer = Tracer { g, columns: &mut columns, rows: &rows, problem, nominal: nominal.as_ref() };
-        let (x, p) = tracer.start()?;
-        let initial: Vec<Id> = x.iter().chain(p.upper()).copied().collect();
+        let chosen = form.map_or_else(|| Form::choose(&mut tracer), Ok)?;
+        form = Some(chosen);
+        let (x, p) = tracer.start(chosen)?;
+        let initial: Vec<Id> = x.into_iter().chain(p.entries()).collect();
         let current = partition.unwrap_or_else(|| Partition::by_initial(&tracer.g, &initial));
-        let step = Step::trace(&mut tracer, &current, objectives)?;
+        let step = Step::trace(&mut tracer, chosen, &current, objectives)?;
         if let Some(refined) = current.refine(&tracer.g, &step.next) {
             partition = Some(refined);
             continue;
@@ -47,7 +65,8 @@ pub fn trace(
 
 /// One traced step, not yet scheduled.
 struct Step {
-    /// Entries of x and P after the step.
+    form: Form,
+    /// Entries of x and of the covariance after the step.
     next: Vec<Id>,
     sums: Vec<(Role, Id)>,
     /// What a candidate fails without, unless a product watches over it.
@@ -56,13 +75,16 @@ struct Step {
 }
 
 impl Step {
-    fn trace(tracer: &mut Tracer<'_>, partition: &Partition, objectives: &[Objective]) -> Result<Self, TraceError> {
+    fn trace(
+        tracer: &mut Tracer<'_>,
+        form: Form,
+        partition: &Partition,
+        objectives: &[Objective],
+    ) -> Result<Self, TraceError> {
         let n = tracer.problem.model.states.len();
         let recursion = tracer.recursion()?;
         let entries = partition.nodes(&mut tracer.g);
-        let mut upper = entries[n..].iter().copied();
-        let zero = tracer.g.constant(0.0);
-        let p = Symmetric::from_fn(n, |_, _| upper.next().unwrap_or(zero));
+        let p = Covariance::from_entries(&mut tracer.g, form, n, &entries[n..]);
         let (update, x, p) = recursion.update(&mut tracer.g, &entries[..n], &p);
         let (mut sums, mut positive) = (Vec::new(), update.pivots.clone());
         let mut scoring = Scoring {
@@ -83,8 +105,8 @@ impl Step {
             !sums.contains(&(Role::Product, factor))
         });
         let (x, p) = recursion.predict(&mut tracer.g, &x, &p);
-        let next = x.iter().chain(p.upper()).copied().collect();
-        Ok(Self { next, sums, positive, traced })
+        let next = x.into_iter().chain(p.entries()).collect();
+        Ok(Self { form, next, sums, positive, traced })
     }
 
     /// Schedules the prologue and the step, and fills the record.
@@ -115,6 +137,7 @@ impl Step {
         let (prologue, scalars) = prologue(tracer, &representatives, initial, &invariants, &starts);
         let spans = spans.into_iter().zip(scalars).map(|(rows, scalars)| Span { rows, scalars }).collect();
         Ok(Program {
+            form: self.form,
             prologue,
             parameters: tracer.problem.parameters.dimension(),
             step,
@@ -136,8 +159,7 @@ impl Step {
     fn carried(&self, problem: &Problem, representatives: &[usize]) -> Vec<Carried> {
         let states = &problem.model.states;
         let x = states.iter().map(|s| format!("x.{s}"));
-        let p = Symmetric::places(states.len()).map(|(i, j)| format!("P.{}.{}", states[i], states[j]));
-        let names: Vec<String> = x.chain(p).collect();
+        let names: Vec<String> = x.chain(Covariance::names(self.form, states)).collect();
         let mut carried: Vec<Carried> =
             representatives.iter().map(|e| Carried { name: names[*e].clone(), role: Role::State }).collect();
         for (i, (role, _)) in self.sums.iter().enumerate() {
@@ -239,7 +261,8 @@ fn measured_start(tracer: &mut Tracer<'_>, t: usize, row: usize) -> Result<Vec<f
     let Some(z) = (tracer.rows.first[t] < trajectory.len()).then(|| trajectory.z.row(tracer.rows.first[t])) else {
         return Ok(vec![f64::NAN; n]);
     };
-    let (jacobian, offset) = tracer.measurement_map()?;
+    let baseline = tracer.problem.parameters.baseline();
+    let (jacobian, offset) = tracer.measurement_map(&baseline)?;
     let ids: Vec<Id> = jacobian.into_iter().flatten().chain(offset).collect();
     let mut calculator = Calculator::new(&tracer.g, &ids);
     let values: Vec<f64> = calculator

@@ -46,10 +46,10 @@ struct Case {
 
 impl Case {
     fn of(workload: Workload) -> Self {
-        let mut file: serde_json::Value = serde_json::from_str(include_str!("golden/workloads.json")).unwrap();
-        let golden: Vec<Golden> = serde_json::from_value(file[workload.name()].take()).unwrap();
-        let problem = workload.problem().unwrap();
-        let log = workload.log(&problem).unwrap();
+        let mut file: serde_json::Value = serde_json::from_str(include_str!("golden/workloads.json")).expect("JSON");
+        let golden: Vec<Golden> = serde_json::from_value(file[workload.name()].take()).expect("golden values");
+        let problem = workload.problem().expect("the problem parses");
+        let log = workload.log(&problem).expect("the log reads");
         let population = candidates(&problem.parameters, golden.len());
         Self { workload, problem, log, population, golden }
     }
@@ -176,7 +176,8 @@ fn reference_states_agree() {
 fn lanes(case: &Case, precision: Precision) -> Vec<[f64; 3]> {
     let objectives = [Kind::Nll, Kind::MseInnovation, Kind::NisMean].map(Objective::new);
     let options = CpuOptions { precision, threads: NonZero::new(1) };
-    let mut evaluator = CpuEvaluator::with_objectives(&case.problem, &case.log, &objectives, options).unwrap();
+    let mut evaluator =
+        CpuEvaluator::with_objectives(&case.problem, &case.log, &objectives, options).expect("the workload traces");
     let evaluation = evaluator.evaluate(&case.population);
     (0..evaluation.len())
         .map(|i| {

@@ -8,6 +8,7 @@ use kfgpu::bench::Workload;
 use nalgebra::{SMatrix, SVector};
 
 /// The baseline of each workload.
+#[expect(clippy::large_enum_variant, reason = "one is made a workload")]
 pub(crate) enum Baseline {
     A(Linear<3, 1>),
     B(Linear<6, 3>),
@@ -24,7 +25,7 @@ impl Baseline {
         }
     }
 
-    /// Log-likelihood [nats], mean squared innovation per component and sum of NIS / rows of one candidate.
+    /// Log-likelihood \[nats\], mean squared innovation per component and sum of NIS / rows of one candidate.
     pub(crate) fn score(&self, candidate: &[f64]) -> [f64; 3] {
         self.run(candidate, |score, _| score)
     }

@@ -28,7 +28,7 @@ impl Sums {
         Self { squares: self.squares + other.squares, nis: self.nis + other.nis, log_det: self.log_det + other.log_det }
     }
 
-    /// Log-likelihood [nats], mean squared innovation, sum of NIS / rows.
+    /// Log-likelihood \[nats\], mean squared innovation, sum of NIS / rows.
     #[allow(dead_code, reason = "the benchmarks time the sums; the golden tests compare the scores")]
     pub(crate) fn score(self, rows: usize, measurements: usize) -> [f64; 3] {
         let components = (rows * measurements) as f64;

@@ -10,7 +10,7 @@ pub fn cpu_time() -> Option<Duration> {
     Some(Duration::from(time))
 }
 
-/// The largest resident set so far [MiB]; `None` where the system does not tell.
+/// The largest resident set so far \[MiB\]; `None` where the system does not tell.
 #[cfg(unix)]
 pub(super) fn peak_memory_mib() -> Option<u64> {
     use nix::sys::resource::{UsageWho, getrusage};

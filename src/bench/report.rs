@@ -36,13 +36,13 @@ pub struct Report {
     pub first_call_s: f64,
     /// N T / `first_call_s`.
     pub steps_per_s_incl_compile: f64,
-    /// Log-likelihood of candidate 0 [nats]; null if it failed.
+    /// Log-likelihood of candidate 0 \[nats\]; null if it failed.
     pub check: Option<f64>,
     /// Mean squared innovation of candidate 0.
     pub check_mse: Option<f64>,
     /// Sum of NIS / T of candidate 0.
     pub check_nis: Option<f64>,
-    /// Mean log-likelihood over usable candidates [nats].
+    /// Mean log-likelihood over usable candidates \[nats\].
     pub mean_ll: Option<f64>,
     /// Mean of their mean squared innovations.
     pub mean_mse: Option<f64>,
@@ -52,7 +52,7 @@ pub struct Report {
     pub cpus: usize,
     /// Threads it was told to use.
     pub threads: usize,
-    /// Largest resident set of the process [MiB]; null where the system does not tell.
+    /// Largest resident set of the process \[MiB\]; null where the system does not tell.
     pub maxrss_mb: Option<u64>,
     /// `cpu`.
     pub device: String,

@@ -137,7 +137,7 @@ fn components(log: &Log) -> f64 {
     log.trajectories.iter().map(present).sum::<usize>() as f64
 }
 
-/// Timed evaluations [s].
+/// Timed evaluations, in seconds.
 struct Times {
     wall: Vec<f64>,
     cpu: Vec<f64>,
@@ -249,11 +249,67 @@ impl Measured<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::reference;
 
     #[test]
     fn the_median_is_the_middle_or_between_the_middle_two() {
         assert_eq!(median(&[3.0, 1.0, 2.0]), Some(2.0), "odd");
         assert_eq!(median(&[4.0, 1.0, 2.0, 3.0]), Some(2.5), "even");
         assert_eq!(median(&[]), None, "empty");
+    }
+
+    fn small(precision: Precision) -> Options {
+        let mut options = Options::new(Subject::Workload(Workload::B));
+        (options.candidates, options.rows, options.repetitions, options.precision) = (3, Some(40), 2, precision);
+        options
+    }
+
+    #[test]
+    fn the_report_says_what_the_reference_computes() {
+        let report = run(&small(Precision::F64)).unwrap();
+        assert_eq!((report.candidates, report.rows, report.reps, report.failed), (3, 40, 2, 0), "sizes");
+        let (problem, log) = prepare(&small(Precision::F64)).unwrap();
+        let population = candidates(&problem.parameters, 3);
+        let all: Vec<Vec<f64>> =
+            population.rows().map(|candidate| reference::costs(&problem, &log, candidate).unwrap()).collect();
+        let close = |found: Option<f64>, expected: f64| (found.unwrap() / expected - 1.0).abs() < 1e-10;
+        assert!(close(report.check, -all[0][0]), "log-likelihood {:?}", report.check);
+        assert!(close(report.check_mse, all[0][1]), "mse {:?}", report.check_mse);
+        assert!(close(report.check_nis, 3.0 * all[0][2]), "three components a row: {:?}", report.check_nis);
+        assert!(close(report.mean_ll, -(all[0][0] + all[1][0] + all[2][0]) / 3.0), "mean {:?}", report.mean_ll);
+        assert!(close(report.mean_mse, (all[0][1] + all[1][1] + all[2][1]) / 3.0), "mean {:?}", report.mean_mse);
+    }
+
+    #[test]
+    fn rates_are_steps_over_times() {
+        let report = run(&small(Precision::F32)).unwrap();
+        let steps = 120.0;
+        assert!((report.steps_per_s * report.median_s / steps - 1.0).abs() < 1e-12, "{report:?}");
+        assert!((report.steps_per_s_incl_compile * report.first_call_s / steps - 1.0).abs() < 1e-12, "{report:?}");
+        assert!(report.min_s <= report.median_s && report.compile_s < report.first_call_s, "{report:?}");
+    }
+
+    #[test]
+    fn json_has_every_field_of_the_common_harness() {
+        let json = serde_json::to_value(run(&small(Precision::F32)).unwrap()).unwrap();
+        let fields = "peer workload dtype N T median_s min_s cpu_s reps steps_per_s steps_per_cpu_s compile_s \
+                      first_call_s steps_per_s_incl_compile check check_mse check_nis mean_ll mean_mse cpus maxrss_mb";
+        for field in fields.split_whitespace() {
+            assert!(json.get(field).is_some_and(|value| !value.is_null()), "{field} is missing from {json}");
+        }
+        assert_eq!((json["workload"].as_str(), json["dtype"].as_str()), (Some("B"), Some("f32")), "{json}");
+    }
+
+    #[test]
+    fn nothing_to_do_is_an_error() {
+        let mut options = small(Precision::F64);
+        options.candidates = 0;
+        assert!(matches!(run(&options), Err(BenchError::Zero("n"))), "no candidate");
+        let (mut problem, log) = prepare(&small(Precision::F64)).unwrap();
+        for parameter in &mut problem.parameters.all {
+            parameter.value = crate::model::Value::Fixed(1.0);
+        }
+        let fixed = Options::new(Subject::Problem(Box::new((problem, log))));
+        assert!(matches!(run(&fixed), Err(BenchError::NothingSearched(_))), "no searched parameter");
     }
 }

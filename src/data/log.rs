@@ -89,9 +89,16 @@ impl Trajectory {
     }
 
     /// Interval from row `k` to row `k + 1` [s]; `None` at the last row.
+    ///
+    /// It is rounded to the last decimal that the trajectory's times can hold in f64, so that a log sampled every 0.1 s
+    /// has one interval and not three that differ by rounding (from which kfgpu would compute one F and Q a row).
     #[must_use]
     pub fn dt(&self, k: usize) -> Option<f64> {
-        Some(self.time.get(k + 1)? - self.time[k])
+        let difference = self.time.get(k + 1)? - self.time[k];
+        let largest = self.time[0].abs().max(self.time[self.time.len() - 1].abs());
+        let unit = 10f64.powi((-(4.0 * f64::EPSILON * largest).log10()).floor().clamp(0.0, 15.0) as i32);
+        let rounded = (difference * unit).round() / unit;
+        Some(if rounded > 0.0 { rounded } else { difference })
     }
 
     /// Whether every measurement of row `k` is present.
@@ -120,8 +127,35 @@ impl Log {
     /// The one interval of the whole log [s], or `None` if intervals differ by more than one part in 1e9 or there are none.
     #[must_use]
     pub fn regular_dt(&self) -> Option<f64> {
-        let mut intervals = self.trajectories.iter().flat_map(|t| t.time.windows(2).map(|w| w[1] - w[0]));
+        let mut intervals = self.trajectories.iter().flat_map(|t| (0..t.len()).filter_map(|k| t.dt(k)));
         let first = intervals.next()?;
         intervals.all(|dt| (dt - first).abs() <= 1e-9 * first).then_some(first)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn every(dt: f64, start: f64, rows: usize) -> Trajectory {
+        let time: Vec<f64> = (0..rows).map(|k| start + k as f64 * dt).collect();
+        let tables = || Table::new(0);
+        Trajectory { id: String::new(), line: vec![0; rows], time, z: tables(), u: tables(), truth: tables() }
+    }
+
+    #[test]
+    fn rounding_of_times_makes_no_new_intervals() {
+        // 100 Hz in Unix time: f64 holds such a time to 2e-7 s only.
+        for (dt, start) in [(0.1, 0.0), (0.01, 1.7e9), (1e-3, 12.345), (60.0, 4e8), (1.0, 1871.0)] {
+            let t = every(dt, start, 1000);
+            assert!((0..999).all(|k| t.dt(k) == Some(dt)), "every {dt} s from {start} s: {:?}", t.dt(7));
+        }
+    }
+
+    #[test]
+    fn true_differences_stay() {
+        let mut t = every(0.1, 0.0, 3);
+        t.time[2] = 0.2003;
+        assert_eq!((t.dt(0), t.dt(1)), (Some(0.1), Some(0.1003)), "irregular is irregular");
     }
 }

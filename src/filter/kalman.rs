@@ -181,10 +181,10 @@ impl Tracer<'_> {
                 let next = self.columns.node(&mut self.g, nominal.next(i, self.rows));
                 value = self.g.sub(value, next);
             }
-            for j in 0..n {
+            for (j, x) in x.iter().enumerate() {
                 let change = self.g.sub(theta.jacobian[i][j], at.jacobian[i][j]);
                 self.require_invariant(change, what, i)?;
-                let moved = self.g.mul(change, x[j]);
+                let moved = self.g.mul(change, *x);
                 value = self.g.add(value, moved);
             }
             let change = self.g.sub(theta.offset[i], at.offset[i]);
@@ -308,9 +308,9 @@ impl Recursion {
             let mut H: Vec<Id> = self.H[i].iter().map(|h| g.mul(self.present[i], *h)).collect();
             let mut e = g.mul(self.present[i], nu[i]);
             for j in 0..i {
-                for k in 0..H.len() {
-                    let part = g.mul(L[i][j], rows[j].0[k]);
-                    H[k] = g.sub(H[k], part);
+                for (h, earlier) in H.iter_mut().zip(&rows[j].0) {
+                    let part = g.mul(L[i][j], *earlier);
+                    *h = g.sub(*h, part);
                 }
                 let part = g.mul(L[i][j], rows[j].1);
                 e = g.sub(e, part);

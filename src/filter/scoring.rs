@@ -89,7 +89,8 @@ impl Scoring<'_> {
         for place in self.rows.places().filter(|place| place.k >= skip && place.components() > 0) {
             measured[place.index].push(place.k);
         }
-        let begin = |rows: &Vec<usize>| rows.iter().rev().take(window).last().copied().unwrap_or(usize::MAX);
+        let begin =
+            |rows: &Vec<usize>| rows.get(rows.len().saturating_sub(window.max(1))).copied().unwrap_or(usize::MAX);
         Window(measured.iter().map(begin).collect())
     }
 

@@ -43,11 +43,6 @@ pub trait Lane:
 
 macro_rules! lane {
     ($float:ty, $bits:ty, $mantissa_bits:literal, $bias:literal, $steps:literal) => {
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_lossless,
-            reason = "rounding to the lane's precision is the purpose"
-        )]
         impl Lane for $float {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;

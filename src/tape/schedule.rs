@@ -285,10 +285,11 @@ impl<'a, U: Fn(Id) -> bool> Assignment<'a, U> {
     fn release(&mut self, id: Id) {
         let Some(count) = self.remaining.get_mut(&id) else { return };
         *count -= 1;
-        if *count == 0 && !self.outputs.contains(&id) {
-            if let Some(&register) = self.place.get(&id).filter(|r| **r >= self.fixed) {
-                self.free.push(register);
-            }
+        if *count == 0
+            && !self.outputs.contains(&id)
+            && let Some(&register) = self.place.get(&id).filter(|r| **r >= self.fixed)
+        {
+            self.free.push(register);
         }
     }
 

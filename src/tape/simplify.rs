@@ -4,7 +4,6 @@
 
 use super::graph::{Binary, Graph, Id, Node, Unary};
 
-#[expect(clippy::should_implement_trait, reason = "the graph owns the nodes: `a + b` needs it")]
 impl Graph {
     /// `a + b`.
     pub fn add(&mut self, a: Id, b: Id) -> Id {

@@ -48,7 +48,7 @@ impl<R: Read> Candidates<R> {
             return Err(error);
         }
         let mut batch = Population::new(self.names.len());
-        while batch.is_empty() || self.input.buffer().contains(&b'\n') {
+        while batch.is_empty() || self.has_arrived() {
             match self.next_candidate() {
                 Ok(Some(candidate)) => batch.push(&candidate),
                 Ok(None) => break,
@@ -60,6 +60,11 @@ impl<R: Read> Candidates<R> {
             }
         }
         Ok((!batch.is_empty()).then_some(batch))
+    }
+
+    /// Whether a whole line that is not blank can be read without waiting.
+    fn has_arrived(&self) -> bool {
+        self.input.buffer().trim_ascii_start().contains(&b'\n')
     }
 
     fn next_candidate(&mut self) -> anyhow::Result<Option<Vec<f64>>> {
@@ -172,7 +177,8 @@ mod tests {
 
     #[test]
     fn what_has_arrived_is_a_batch() {
-        let mut candidates = Candidates::open(Pieces(vec!["q,r\n", "1,2\n", "3,4\n5,6\n"]), "-", &["q", "r"]).unwrap();
+        let mut candidates =
+            Candidates::open(Pieces(vec!["q,r\n", "1,2\n\n", "3,4\n5,6\n"]), "-", &["q", "r"]).unwrap();
         let sizes: Vec<usize> = std::iter::from_fn(|| candidates.next_batch().unwrap()).map(|b| b.len()).collect();
         assert_eq!(sizes, [1, 2]);
     }

@@ -116,7 +116,11 @@ pub(super) fn write_whole(path: &Path, fill: impl FnOnce(&mut dyn Write) -> anyh
         // The first error is the one to report; a temporary file that never came to be cannot be removed either.
         let _ = fs::remove_file(&temporary);
     }
-    written.with_context(|| format!("cannot write {}", path.display()))
+    written.map_err(|error| {
+        // What went wrong while the content was computed speaks for itself.
+        let writing = error.is::<io::Error>() || error.is::<csv::Error>();
+        if writing { error.context(format!("cannot write {}", path.display())) } else { error }
+    })
 }
 
 fn fill_file(path: &Path, fill: impl FnOnce(&mut dyn Write) -> anyhow::Result<()>) -> anyhow::Result<()> {

@@ -5,13 +5,14 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
+use super::Ending;
 use super::console::Console;
 use super::files::{self, Destination};
-use super::{Ending, load};
+use super::load::{self, Loaded};
 use crate::model::Problem;
 use crate::objective::Objective;
 use crate::reference;
-use crate::report::{Consistency, Covariance, Named, write_run};
+use crate::report::{Consistency, Covariance, Evidence, Named, RunTable};
 
 /// Run one filter over the log in f64, and write its states, covariances and innovations as CSV.
 ///
@@ -64,18 +65,17 @@ impl Filter {
             Some(path) => problem.candidate_from(&Problem::open(path)?)?,
             None => problem.parameters.baseline(),
         };
-        let run = reference::run(problem, log, &candidate)?;
-        let costs = reference::score(problem, log, &run, &problem.tune.objectives);
+        let mut evidence = Evidence::new(problem, log);
+        let costs = match &table {
+            None => reference::visit(problem, log, &candidate, &mut |t, step| evidence.add(t, step))?,
+            Some(table) => self.write(table, &loaded, &candidate, &mut evidence)?,
+        };
         let summary = Summary {
             parameters: Named::new(problem.parameters.names(), candidate.iter().copied()),
             objectives: Named::new(problem.tune.objectives.iter().map(Objective::name), costs),
-            consistency: Consistency::of(problem, log, &candidate, &run),
-            warnings: loaded.warnings,
+            consistency: evidence.judge(problem, &candidate),
+            warnings: loaded.warnings.clone(),
         };
-        if let Some(table) = table {
-            let covariance = if self.diagonal { Covariance::Diagonal } else { Covariance::Triangle };
-            table.write(|out| Ok(write_run(problem, log, &run, covariance, out)?))?;
-        }
         if self.json {
             files::print_json(&summary)?;
         } else {
@@ -85,5 +85,30 @@ impl Filter {
             console.note(&summary.consistency);
         }
         Ok(Ending::Done)
+    }
+
+    /// Runs the filter into the table; gives the objectives.
+    fn write(
+        &self,
+        table: &Destination,
+        Loaded { problem, log, .. }: &Loaded,
+        candidate: &[f64],
+        evidence: &mut Evidence,
+    ) -> anyhow::Result<Vec<f64>> {
+        let covariance = if self.diagonal { Covariance::Diagonal } else { Covariance::Triangle };
+        let mut costs = Vec::new();
+        table.write(|out| {
+            let mut rows = RunTable::new(problem, log, covariance, out)?;
+            let mut written = Ok(());
+            costs = reference::visit(problem, log, candidate, &mut |trajectory, step| {
+                evidence.add(trajectory, step);
+                if written.is_ok() {
+                    written = rows.row(trajectory, step);
+                }
+            })?;
+            written?;
+            Ok(rows.finish()?)
+        })?;
+        Ok(costs)
     }
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::console::Console;
 use super::overrides::{self, Override};
-use crate::data::{self, Log, Summary};
+use crate::data::{self, Log, LogError, Summary};
 use crate::model::Problem;
 
 /// The example that `kfgpu tune` runs with no file.
@@ -62,7 +62,8 @@ pub(super) fn log_of(
     }
     let origin = match (&problem.data.file, data, path) {
         (_, None, None) => Origin::BuiltIn("nile.csv", NILE_DATA),
-        (None, ..) => Origin::Simulated,
+        (None, ..) if problem.simulate.is_some() => Origin::Simulated,
+        (None, ..) => return Err(LogError::Unnamed.into()),
         (Some(file), ..) if file == "-" => Origin::Stdin,
         (Some(file), ..) => Origin::File(folder.join(file)),
     };

@@ -28,14 +28,14 @@ use console::Console;
 /// Tunes Kalman filters: searches a filter's noise parameters on a log of measurements, and says whether the
 /// tuned filter can be trusted.
 #[derive(Debug, Parser)]
-#[command(name = "kfgpu", version, propagate_version = true, after_help = EXIT_CODES)]
+#[command(name = "kfgpu", version, propagate_version = true, max_term_width = 100, after_help = EXIT_CODES)]
 struct Cli {
     #[command(subcommand)]
     verb: Verb,
 
     /// Say nothing on stderr but errors (default: summaries, warnings and, on a terminal, a progress bar), for scripts
     /// that read only stdout.
-    #[arg(long, short, global = true)]
+    #[arg(long, short, global = true, display_order = 900)]
     quiet: bool,
 }
 

@@ -27,10 +27,10 @@ impl Progress {
 impl Observer for Progress {
     fn generation(&mut self, row: &Generation, _best: Option<&Scored>) {
         let Some(bar) = &self.bar else { return };
-        bar.set_position(row.generation as u64);
         let rate = row.evaluations as f64 / row.seconds.max(1e-9);
-        let best = row.best.map_or_else(|| "none usable yet".to_owned(), |cost| significant(cost, 8));
+        let best = row.best.map_or_else(|| "none usable yet".to_owned(), |cost| significant(cost, 7));
         bar.set_message(format!("best {} {best}, {} evaluations/s", self.objective, significant(rate, 3)));
+        bar.set_position(row.generation as u64);
     }
 }
 
@@ -43,7 +43,7 @@ impl Drop for Progress {
 }
 
 fn draw(generations: usize) -> anyhow::Result<ProgressBar> {
-    let style = ProgressStyle::with_template("{bar:24} generation {pos}/{len}  {msg}  {eta} left")?;
+    let style = ProgressStyle::with_template("{bar:16} {pos}/{len} {eta} left  {wide_msg}")?;
     let bar = ProgressBar::with_draw_target(Some(generations as u64), ProgressDrawTarget::stderr());
     bar.set_style(style);
     Ok(bar)

@@ -155,12 +155,7 @@ impl Tune {
         } else {
             files::print(&nothing.effort.to_string())?;
         }
-        console::error(&anyhow!(
-            "no usable candidate: {} of {} evaluations failed (check with `kfgpu filter` that the start values run, and \
-             narrow the bounds)",
-            outcome.failed,
-            outcome.evaluations
-        ));
+        console::error(&anyhow!("no usable candidate: {}", why_nothing(outcome)));
         Ok(if interrupted { Ending::Interrupted } else { Ending::NotUsable })
     }
 
@@ -187,5 +182,22 @@ impl Tune {
         .into_iter()
         .flatten()
         .collect()
+    }
+}
+
+/// Why a study has no winner.
+fn why_nothing(Outcome { evaluations, failed, .. }: &Outcome) -> String {
+    if *evaluations == 0 {
+        "the search was stopped before its first generation was done".to_owned()
+    } else if failed == evaluations {
+        format!(
+            "all {evaluations} evaluations failed (check with `kfgpu filter` that the start values run, and narrow the \
+             bounds)"
+        )
+    } else {
+        format!(
+            "the f64 reference could run none of the best candidates, {failed} of {evaluations} evaluations failed (give \
+             --precision f64 or narrow the bounds)"
+        )
     }
 }

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::number::short;
 use crate::data::{Log, Summary};
 use crate::model::Problem;
-use crate::reference::{self, Run, Steady, Update};
+use crate::reference::{self, Steady, Step};
 
 /// Significant digits of an entry: more than any tuned variance has.
 const DIGITS: usize = 8;
@@ -49,7 +49,7 @@ impl fmt::Display for Matrix {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[expect(non_snake_case, reason = "Kalman notation: F, H, Q, R, K")]
 pub struct Matrices {
-    /// Interval that F, Q and a steady K are for [s]: the log's, or its median.
+    /// Interval that F, Q and a steady K are for \[s\]: the log's, or its median.
     pub dt: f64,
     /// Transition, n x n, inputs at zero.
     pub F: Matrix,
@@ -76,15 +76,15 @@ pub enum Gain {
 }
 
 impl Matrices {
-    /// The matrices of `candidate`, whose run over the log is `run`.
+    /// The matrices of `candidate`; `last_gain` (n x m) stands in where its filter settles to none.
     #[must_use]
-    pub fn of(problem: &Problem, log: &Log, candidate: &[f64], run: &Run) -> Self {
+    pub fn of(problem: &Problem, log: &Log, candidate: &[f64], last_gain: Option<DMatrix<f64>>) -> Self {
         let regular = log.regular_dt();
         let dt = regular.or_else(|| Summary::of(log).dt.map(|dt| dt.median)).unwrap_or(1.0);
         let model = reference::Matrices::of(problem, candidate, dt);
         let steady = regular.and_then(|dt| reference::steady_gain(problem, candidate, dt));
         let gain = if steady.is_some() { Gain::Steady } else { Gain::Last };
-        let k = steady.map(|Steady { k, .. }| k).or_else(|| last_gain(run, problem.model.measurements.len()));
+        let k = steady.map(|Steady { k, .. }| k).or(last_gain);
         Self {
             dt,
             F: (&model.f).into(),
@@ -97,11 +97,14 @@ impl Matrices {
     }
 }
 
-/// The gain of the last row where all `m` components are present.
-fn last_gain(run: &Run, m: usize) -> Option<DMatrix<f64>> {
-    let updates = run.trajectories.iter().rev().flat_map(|steps| steps.iter().rev());
-    let complete = updates.filter_map(|step| step.update.as_ref()).find(|update: &&Update| update.present.len() == m);
-    complete.map(|update| update.k.clone())
+/// Keeps the gain of a row where all `m` components are present.
+pub(super) fn keep_complete_gain(gain: &mut Option<DMatrix<f64>>, step: &Step, m: usize) {
+    if let Some(update) = step.update.as_ref().filter(|update| update.present.len() == m) {
+        match gain {
+            Some(gain) => gain.copy_from(&update.k),
+            None => *gain = Some(update.k.clone()),
+        }
+    }
 }
 
 /// One matrix a line, with its name.

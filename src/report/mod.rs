@@ -12,11 +12,11 @@ mod text;
 mod tuning;
 
 pub use bound::Bound;
-pub use consistency::{Consistency, Finding, Nees, Verdict, Whiteness};
+pub use consistency::{Consistency, Evidence, Finding, Nees, Verdict, Whiteness};
 pub use matrices::{Gain, Matrices, Matrix};
 pub use named::Named;
 pub use number::{count, exact, seconds, short, significant};
 pub use raw::raw_rmse;
-pub use run_csv::{Covariance, write_run};
+pub use run_csv::{Covariance, RunTable};
 pub use table::TextTable;
 pub use tuning::{Certificate, Effort, LogFacts, Nothing, Polish, Scored, Tuning};

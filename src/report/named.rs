@@ -3,6 +3,12 @@
 use serde::ser::{Serialize, SerializeMap as _, Serializer};
 
 /// (name, value) pairs in the order they were given; names are distinct.
+///
+/// ```
+/// let named = kfgpu::report::Named::new(["r", "q"], [2.0, 0.5]);
+/// assert_eq!(serde_json::to_string(&named)?, r#"{"r":2.0,"q":0.5}"#);
+/// # Ok::<(), serde_json::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Named<T>(Vec<(String, T)>);
 

@@ -36,7 +36,7 @@ pub fn exact(value: f64) -> String {
     if size > 0.0 && !(1e-5..1e16).contains(&size) { format!("{value:e}") } else { format!("{value}") }
 }
 
-/// A time for people [s].
+/// A time for people \[s\].
 #[must_use]
 pub fn seconds(value: f64) -> String {
     match value {

@@ -36,3 +36,51 @@ fn direct(problem: &Problem, log: &Log, state: usize) -> Option<(usize, usize)> 
     let truth = log.truth.iter().position(|name| *name == problem.model.states[state])?;
     Some((measured, truth))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Problem;
+
+    const TEXT: &str = r#"
+[data]
+file = "log.csv"
+measurements = ["za", "zb"]
+truth = { a = "ta", b = "tb" }
+[model]
+state = ["a", "b"]
+f = ["a", "b"]
+h = ["a", "2*b"]
+Q = ["q", "q"]
+R = ["q", "q"]
+x0 = [0, 0]
+P0 = [1, 1]
+[parameters]
+q = { min = 1, max = 2 }
+[tune]
+objectives = [{ name = "rmse", states = ["a"] }]
+"#;
+
+    fn raw(states: &str, kind: &str, skip: usize) -> Option<f64> {
+        let objective = format!("{{ name = \"{kind}\", states = [{states}], skip = {skip} }}");
+        let text = TEXT.replace("{ name = \"rmse\", states = [\"a\"] }", &objective);
+        let problem = Problem::parse(&text, "p.toml").unwrap();
+        let csv = "za,zb,ta,tb\n9,0,1,0\n4,0,1,0\n,0,5,0\n1,0,,0\n-1,0,3,0\n";
+        let log = Log::read(&problem.data, csv.as_bytes(), "log.csv").unwrap();
+        raw_rmse(&problem, &log, &problem.tune.objectives[0])
+    }
+
+    #[test]
+    fn rows_with_measurement_and_truth_count() {
+        // Row 0 is skipped, row 2 has no measurement, row 3 no truth: errors 3 and -4 stay.
+        let expected = ((9.0_f64 + 16.0) / 2.0).sqrt();
+        assert!((raw("\"a\"", "rmse", 1).unwrap() - expected).abs() < 1e-15, "{:?}", raw("\"a\"", "rmse", 1));
+    }
+
+    #[test]
+    fn only_states_measured_directly_have_a_raw_error() {
+        assert_eq!(raw("\"b\"", "rmse", 0), None, "b is measured as 2 b");
+        assert_eq!(raw("\"a\", \"b\"", "rmse", 0), None, "one of them is");
+        assert_eq!(raw("\"a\"", "distance", 0), None, "another objective");
+    }
+}

@@ -5,7 +5,7 @@ use std::io::Write;
 use super::number::exact;
 use crate::data::{Log, Trajectory};
 use crate::model::Problem;
-use crate::reference::{Run, Step};
+use crate::reference::Step;
 
 /// Which entries of the posterior covariance are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,22 +16,50 @@ pub enum Covariance {
     Diagonal,
 }
 
-/// Writes trajectory (where the log has them), time [s], posterior states, covariance `P_a_b`, prior innovations
+/// Writes trajectory (where the log has them), time \[s\], posterior states, covariance `P_a_b`, prior innovations
 /// `nu_z`, their variances `S_z`, and `nis`. A cell is empty where nothing was measured; numbers read back bit for bit.
-///
-/// # Errors
-/// When `out` cannot be written.
-pub fn write_run(problem: &Problem, log: &Log, run: &Run, covariance: Covariance, out: impl Write) -> csv::Result<()> {
-    let named = log.trajectories.iter().any(|t| !t.id.is_empty());
-    let entries = entries(problem.model.states.len(), covariance);
-    let mut table = csv::Writer::from_writer(out);
-    table.write_record(header(problem, named, &entries))?;
-    for (trajectory, steps) in log.trajectories.iter().zip(&run.trajectories) {
-        for step in steps {
-            table.write_record(row(trajectory, named, step, &entries))?;
-        }
+#[derive(Debug)]
+pub struct RunTable<'a, W: Write> {
+    log: &'a Log,
+    /// Whether trajectories have names.
+    named: bool,
+    /// Entries of P, in order.
+    entries: Vec<(usize, usize)>,
+    table: csv::Writer<W>,
+}
+
+impl<'a, W: Write> RunTable<'a, W> {
+    /// Writes the header.
+    ///
+    /// # Errors
+    /// When `out` cannot be written.
+    pub fn new(problem: &Problem, log: &'a Log, covariance: Covariance, out: W) -> csv::Result<Self> {
+        let named = log.trajectories.iter().any(|t| !t.id.is_empty());
+        let entries = entries(problem.model.states.len(), covariance);
+        let mut table = csv::Writer::from_writer(out);
+        table.write_record(header(problem, named, &entries))?;
+        Ok(Self { log, named, entries, table })
     }
-    Ok(table.flush()?)
+
+    /// Writes one row of trajectory number `trajectory`.
+    ///
+    /// # Errors
+    /// When `out` cannot be written.
+    ///
+    /// # Panics
+    /// If the log has no such trajectory.
+    pub fn row(&mut self, trajectory: usize, step: &Step) -> csv::Result<()> {
+        let trajectory = &self.log.trajectories[trajectory];
+        self.table.write_record(row(trajectory, self.named, step, &self.entries))
+    }
+
+    /// Writes what is still buffered.
+    ///
+    /// # Errors
+    /// When `out` cannot be written.
+    pub fn finish(mut self) -> csv::Result<()> {
+        Ok(self.table.flush()?)
+    }
 }
 
 fn entries(n: usize, covariance: Covariance) -> Vec<(usize, usize)> {

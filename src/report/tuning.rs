@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Bound, Consistency, Matrices, Named, raw_rmse};
+use super::{Bound, Consistency, Evidence, Matrices, Named, matrices, raw_rmse};
 use crate::data::Log;
 use crate::evaluate::Device;
 use crate::model::Problem;
@@ -35,9 +35,9 @@ pub struct Effort {
     pub stop: StopReason,
     /// Where candidates were computed.
     pub device: Device,
-    /// The whole study [s].
+    /// The whole study \[s\].
     pub wall_s: f64,
-    /// The part of it spent evaluating [s].
+    /// The part of it spent evaluating \[s\].
     pub evaluate_s: f64,
     /// What the user should look at.
     pub warnings: Vec<String>,
@@ -191,7 +191,12 @@ impl Tuning {
     /// # Errors
     /// If that run fails; it does not for a winner of [`study::run`].
     pub fn of(effort: Effort, problem: &Problem, log: &Log, winner: &Winner) -> Result<Self, Failure> {
-        let run = reference::run(problem, log, &winner.candidate)?;
+        let mut evidence = Evidence::new(problem, log);
+        let mut last_gain = None;
+        reference::visit(problem, log, &winner.candidate, &mut |trajectory, step| {
+            evidence.add(trajectory, step);
+            matrices::keep_complete_gain(&mut last_gain, step, log.measurements.len());
+        })?;
         let at_bound = problem
             .parameters
             .searched()
@@ -204,13 +209,13 @@ impl Tuning {
             at_bound: at_bound.collect(),
             simulated_with: simulated_with(problem),
             objectives: objectives(problem, &winner.objectives),
-            measured_rows: run.trajectories.iter().flatten().filter(|step| step.update.is_some()).count(),
+            measured_rows: evidence.measured_rows(),
             validation: None,
-            consistency: Consistency::of(problem, log, &winner.candidate, &run),
+            consistency: evidence.judge(problem, &winner.candidate),
             certificate: Certificate::of(problem, &winner.certificate),
             front: None,
             polish: winner.polish.as_ref().map(|polish| Polish::of(problem, polish)),
-            matrices: Matrices::of(problem, log, &winner.candidate, &run),
+            matrices: Matrices::of(problem, log, &winner.candidate, last_gain),
             raw_measurements: raw.collect(),
         })
     }

@@ -47,6 +47,11 @@ fn missing_problem() {
 }
 
 #[test]
+fn problem_without_a_log() {
+    says(&refused_problem("file = \"log.csv\"\n", ""), &["[data]", "file"]);
+}
+
+#[test]
 fn empty_log() {
     says(&refused_log(""), &["log.csv", "empty"]);
 }

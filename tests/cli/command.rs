@@ -28,7 +28,7 @@ impl Folder {
     pub(crate) fn with_level() -> Self {
         let folder = Self::new();
         folder.write("problem.toml", LEVEL);
-        folder.write("log.csv", &level_log(60));
+        folder.write("log.csv", level_log(60));
         folder
     }
 

@@ -7,5 +7,6 @@ mod bad_input;
 mod bench;
 mod command;
 mod evaluate;
+mod examples;
 mod filter;
 mod tune;

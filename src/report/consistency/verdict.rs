@@ -4,9 +4,10 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::{Consistency, SETTLING};
+use super::Consistency;
+use super::evidence::SETTLING;
 use crate::model::{Parameters, Search};
-use crate::report::Bound;
+use crate::report::{Bound, short};
 
 /// The judgement on a filter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
@@ -105,7 +106,7 @@ fn nis(c: &Consistency) -> Option<Finding> {
     };
     Some(Finding {
         verdict,
-        advice: format!("mean NIS {mean:.3} is {side} its 95 % band {low:.3}..{high:.3}: {cause}"),
+        advice: format!("mean NIS {} is {side} its 95 % band {low:.3}..{high:.3}: {cause}", short(mean, 4)),
     })
 }
 

@@ -237,3 +237,62 @@ pub(super) fn instruction_set() -> &'static str {
     }
     std::env::consts::ARCH
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::simulate;
+    use crate::filter::trace;
+    use crate::model::Problem;
+    use crate::objective::{Kind, Objective};
+    use std::path::Path;
+
+    /// Candidates of (q, r) for two of the examples, with every objective and gaps in the log.
+    fn rounded<T: Lane>() -> Rounded<T> {
+        let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/matlab_plant.toml"));
+        let text = text.unwrap().replace("steps = 500", "steps = 90\nmissing = 0.2\ntrajectories = 2");
+        let problem = Problem::parse(&text, "plant.toml").unwrap();
+        let log = simulate(&problem, None).unwrap();
+        let objectives: Vec<Objective> = Kind::ALL.iter().map(|(_, kind)| Objective::new(*kind)).collect();
+        Rounded::new(trace(&problem, &log, &objectives, None).unwrap())
+    }
+
+    fn candidates(n: usize) -> Vec<f64> {
+        (0..2 * n).map(|i| 0.1 + 0.07 * f64::from(u32::try_from(i).unwrap())).collect()
+    }
+
+    fn bits(totals: &Totals) -> (Vec<u64>, &[Status]) {
+        (totals.sums.iter().map(|s| s.to_bits()).collect(), &totals.status)
+    }
+
+    /// The plain build of the same code is what the instruction set chosen at run time must equal, at every width.
+    #[test]
+    fn every_instruction_set_and_width_gives_the_same_bits() {
+        let (double, single) = (rounded::<f64>(), rounded::<f32>());
+        for n in [1, 7, 8, 9, 16, 17, 63, 64] {
+            let candidates = candidates(n);
+            let plain = run_block::<f64, 1, 64>(&double, &candidates);
+            assert_eq!(bits(&f64::run(&double, &candidates)), bits(&plain), "f64, {n} candidates");
+            assert_eq!(bits(&f64_64(&double, &candidates)), bits(&plain), "f64, {n} candidates in the widest block");
+            let plain = run_block::<f32, 1, 64>(&single, &candidates);
+            assert_eq!(bits(&f32::run(&single, &candidates)), bits(&plain), "f32, {n} candidates");
+            assert_eq!(bits(&f32_128(&single, &candidates)), bits(&plain), "f32, {n} candidates in the widest block");
+        }
+    }
+
+    /// What a block leaves in its registers must not reach the next trajectory or block.
+    #[test]
+    fn a_failed_candidate_leaves_its_neighbours_alone() {
+        let rounded = rounded::<f64>();
+        let mut candidates = candidates(16);
+        let good = f64::run(&rounded, &candidates);
+        candidates[10..12].copy_from_slice(&[f64::NAN, -5.0]);
+        let mixed = f64::run(&rounded, &candidates);
+        let width = rounded.program.spans.len() * rounded.program.totals();
+        for i in 0..16 {
+            let same = bits(&good).0[i * width..(i + 1) * width] == bits(&mixed).0[i * width..(i + 1) * width];
+            assert_eq!(same, i != 5, "candidate {i}");
+            assert_eq!(mixed.status[i].is_ok(), i != 5, "status of candidate {i}");
+        }
+    }
+}

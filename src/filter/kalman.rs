@@ -65,6 +65,16 @@ struct Affine {
     offset: Vec<Id>,
 }
 
+/// A linear map around the nominal. Its offset is `fixed + moved`, kept apart because `fixed` may be hundreds of
+/// kilometres: it must meet what it cancels (z) in f64, before single precision adds a candidate's own share.
+struct Local {
+    jacobian: Vec<Vec<Id>>,
+    /// The same for every candidate.
+    fixed: Vec<Id>,
+    /// What the candidate's parameters change; 0 where they do not stand in the formula.
+    moved: Vec<Id>,
+}
+
 /// Everything that tracing a filter needs.
 pub(super) struct Tracer<'a> {
     pub(super) g: Graph,
@@ -85,11 +95,18 @@ impl Tracer<'_> {
         let present = (0..m).map(|i| self.column(|place| f64::from(u8::from(place.present(i))))).collect();
         let f = self.linear(&model.f, &inputs, dt, ("f", &model.states))?;
         let h = self.linear(&model.h, &inputs, dt, ("h", &model.measurements))?;
-        let z = z.iter().zip(&h.offset).map(|(z, offset)| self.g.sub(*z, *offset)).collect();
+        let (mut innovations, mut drift) = (Vec::with_capacity(m), Vec::with_capacity(f.fixed.len()));
+        for (z, (fixed, moved)) in z.iter().zip(h.fixed.iter().zip(&h.moved)) {
+            let z = self.g.sub(*z, *fixed);
+            innovations.push(self.g.sub(z, *moved));
+        }
+        for (fixed, moved) in f.fixed.iter().zip(&f.moved) {
+            drift.push(self.g.add(*fixed, *moved));
+        }
         let parameters = formula::parameters(&mut self.g, &self.problem.parameters, None);
         let scope = Scope { states: &[], parameters: &parameters, inputs: &inputs, dt };
         let (Q, R) = (self.covariance(&model.q, scope), self.covariance(&model.r, scope));
-        Ok(Recursion { F: f.jacobian, H: h.jacobian, Q, R, drift: f.offset, z, present })
+        Ok(Recursion { F: f.jacobian, H: h.jacobian, Q, R, drift, z: innovations, present })
     }
 
     /// H and h(0) of the baseline, for a start from a measurement.
@@ -158,40 +175,46 @@ impl Tracer<'_> {
         Symmetric::from_fn(n, |i, j| formula::trace(&mut self.g, &entries[i * n + j], scope))
     }
 
-    /// f or h around the nominal: its Jacobian, and what is to be added to (f) or taken from z (h).
+    /// f or h around the nominal: its Jacobian, and what is to be added to F x (f) or taken from z (h).
     fn linear(
         &mut self,
         formulas: &[Expr],
         inputs: &[Id],
         dt: Id,
         what: (&'static str, &[String]),
-    ) -> Result<Affine, TraceError> {
+    ) -> Result<Local, TraceError> {
         let theta = self.affine(formulas, None, inputs, dt, what)?;
-        let Some(nominal) = self.nominal else { return Ok(theta) };
+        let Some(nominal) = self.nominal else {
+            let moved = vec![self.g.constant(0.0); formulas.len()];
+            return Ok(Local { jacobian: theta.jacobian, fixed: theta.offset, moved });
+        };
         let at = self.affine(formulas, Some(&nominal.candidate), inputs, dt, what)?;
         let n = self.problem.model.states.len();
         let x: Vec<Id> = (0..n).map(|i| self.columns.node(&mut self.g, nominal.at(i))).collect();
-        let mut offset = Vec::with_capacity(formulas.len());
+        let mut local = Local { jacobian: vec![], fixed: vec![], moved: vec![] };
         for i in 0..formulas.len() {
             // f_theta0(x_nom) is the same for every candidate and is taken in f64, once; what theta changes is added:
             // [F_theta - F_theta0] x_nom + c_theta - c_theta0, which vanishes where theta does not stand in the formula.
             let fixed = self.g.dot(at.jacobian[i].iter().copied().zip(x.iter().copied()));
-            let mut value = self.g.add(fixed, at.offset[i]);
+            let mut fixed = self.g.add(fixed, at.offset[i]);
             if what.0 == "f" {
                 let next = self.columns.node(&mut self.g, nominal.next(i, self.rows));
-                value = self.g.sub(value, next);
-            }
-            for (j, x) in x.iter().enumerate() {
-                let change = self.g.sub(theta.jacobian[i][j], at.jacobian[i][j]);
-                self.require_invariant(change, what, i)?;
-                let moved = self.g.mul(change, *x);
-                value = self.g.add(value, moved);
+                fixed = self.g.sub(fixed, next);
             }
             let change = self.g.sub(theta.offset[i], at.offset[i]);
             self.require_invariant(change, what, i)?;
-            offset.push(self.g.add(value, change));
+            let mut moved = change;
+            for (j, x) in x.iter().enumerate() {
+                let change = self.g.sub(theta.jacobian[i][j], at.jacobian[i][j]);
+                self.require_invariant(change, what, i)?;
+                let share = self.g.mul(change, *x);
+                moved = self.g.add(moved, share);
+            }
+            local.fixed.push(fixed);
+            local.moved.push(moved);
         }
-        Ok(Affine { jacobian: theta.jacobian, offset })
+        local.jacobian = theta.jacobian;
+        Ok(local)
     }
 
     fn require_invariant(&self, change: Id, what: (&'static str, &[String]), i: usize) -> Result<(), TraceError> {
@@ -302,7 +325,7 @@ impl Recursion {
             let absent = g.sub(one, self.present[i]);
             g.add(entry, absent)
         });
-        let (L, D) = masked.ldl(g);
+        let (L, D) = masked.ldl_semidefinite(g);
         let mut rows: Decorrelated = Vec::with_capacity(m);
         for i in 0..m {
             let mut H: Vec<Id> = self.H[i].iter().map(|h| g.mul(self.present[i], *h)).collect();
@@ -338,7 +361,9 @@ impl Scalar<'_> {
         let n = dx.len();
         let PH: Vec<Id> = (0..n).map(|a| g.dot((0..n).map(|b| (self.H[b], P.at(a, b))))).collect();
         let variance = g.dot(self.H.iter().copied().zip(PH.iter().copied()));
-        let S = g.add(variance, self.D);
+        // A missing component neither divides by its S nor has to have a positive one.
+        let (sum, one) = (g.add(variance, self.D), g.constant(1.0));
+        let S = g.select(self.gate, sum, one);
         let inverse = g.div(self.gate, S);
         let K: Vec<Id> = PH.iter().map(|ph| g.mul(*ph, inverse)).collect();
         for (dx, K) in dx.iter_mut().zip(&K) {
@@ -347,7 +372,6 @@ impl Scalar<'_> {
         }
         let seen = self.only_state(g);
         let shrink = seen.map(|_| {
-            let one = g.constant(1.0);
             let ratio = g.mul(self.D, inverse);
             g.select(self.gate, ratio, one)
         });

@@ -19,6 +19,8 @@ pub(crate) struct Scoring<'a> {
     pub(super) x: &'a [Id],
     pub(super) p: &'a Symmetric,
     pub(super) sums: &'a mut Vec<(Role, Id)>,
+    /// What a candidate fails without.
+    pub(super) positive: &'a mut Vec<Id>,
 }
 
 /// The sums of one objective: which slots of the program, and over how much they run.
@@ -131,9 +133,11 @@ impl Scoring<'_> {
         self.g.unary(Unary::Sqrt, a)
     }
 
-    /// Normalised squared posterior error e' P^-1 e of all states, by P = L D L'.
-    pub(crate) fn normalised_error(&mut self) -> Id {
+    /// Normalised squared posterior error e' P^-1 e of all states, by P = L D L', where `gate` is positive, else 0.
+    /// There P must be positive definite.
+    pub(crate) fn normalised_error(&mut self, gate: Id) -> Id {
         let n = self.states();
+        let (zero, one) = (self.g.constant(0.0), self.g.constant(1.0));
         let (l, d) = self.p.ldl(self.g);
         let mut sum = self.g.constant(0.0);
         let mut solved: Vec<Id> = Vec::with_capacity(n);
@@ -147,13 +151,20 @@ impl Scoring<'_> {
             let square = self.g.mul(e, e);
             let term = self.g.div(square, d[i]);
             sum = self.g.add(sum, term);
+            let positive = self.g.select(gate, d[i], one);
+            self.positive.push(positive);
         }
-        sum
+        self.g.select(gate, sum, zero)
     }
 
     /// Adds `weight * value` up over the rows of a trajectory; the slot of the sum.
     pub(crate) fn sum(&mut self, value: Id, weight: Id) -> usize {
         let value = self.g.mul(value, weight);
+        self.total_of(value)
+    }
+
+    /// Adds `value` up over the rows of a trajectory; the slot of the sum.
+    pub(crate) fn total_of(&mut self, value: Id) -> usize {
         self.slot(Role::Sum, value)
     }
 

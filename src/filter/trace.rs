@@ -50,7 +50,8 @@ struct Step {
     /// Entries of x and P after the step.
     next: Vec<Id>,
     sums: Vec<(Role, Id)>,
-    pivots: Vec<Id>,
+    /// What a candidate fails without.
+    positive: Vec<Id>,
     traced: Vec<Traced>,
 }
 
@@ -63,7 +64,7 @@ impl Step {
         let zero = tracer.g.constant(0.0);
         let p = Symmetric::from_fn(n, |_, _| upper.next().unwrap_or(zero));
         let (update, x, p) = recursion.update(&mut tracer.g, &entries[..n], &p);
-        let mut sums = Vec::new();
+        let (mut sums, mut positive) = (Vec::new(), update.pivots.clone());
         let mut scoring = Scoring {
             g: &mut tracer.g,
             columns: tracer.columns,
@@ -74,11 +75,12 @@ impl Step {
             x: &x,
             p: &p,
             sums: &mut sums,
+            positive: &mut positive,
         };
         let traced = objectives.iter().map(|o| o.trace(&mut scoring)).collect();
         let (x, p) = recursion.predict(&mut tracer.g, &x, &p);
         let next = x.iter().chain(p.upper()).copied().collect();
-        Ok(Self { next, sums, pivots: update.pivots, traced })
+        Ok(Self { next, sums, positive, traced })
     }
 
     /// Schedules the prologue and the step, and fills the record.
@@ -150,7 +152,7 @@ impl Step {
         }
         let failed = g.constant(-1.0);
         let check = leaves.last().copied().unwrap_or(failed);
-        next.push(self.pivots.iter().fold(check, |check, pivot| g.select(*pivot, check, failed)));
+        next.push(self.positive.iter().fold(check, |check, value| g.select(*value, check, failed)));
         next
     }
 }
@@ -226,6 +228,10 @@ fn start_values(tracer: &mut Tracer<'_>, t: usize, row: usize) -> Result<Vec<f64
 /// x = pinv(H) (z - h(0)) at the first used row; unmeasured directions are 0.
 fn measured_start(tracer: &mut Tracer<'_>, t: usize, row: usize) -> Result<Vec<f64>, TraceError> {
     let (n, m) = (tracer.problem.model.states.len(), tracer.problem.model.measurements.len());
+    let trajectory = &tracer.rows.log.trajectories[t];
+    let Some(z) = (tracer.rows.first[t] < trajectory.len()).then(|| trajectory.z.row(tracer.rows.first[t])) else {
+        return Ok(vec![f64::NAN; n]);
+    };
     let (jacobian, offset) = tracer.measurement_map()?;
     let ids: Vec<Id> = jacobian.into_iter().flatten().chain(offset).collect();
     let mut calculator = Calculator::new(&tracer.g, &ids);
@@ -235,13 +241,67 @@ fn measured_start(tracer: &mut Tracer<'_>, t: usize, row: usize) -> Result<Vec<f
             _ => f64::NAN,
         })
         .collect();
-    let trajectory = &tracer.rows.log.trajectories[t];
-    let Some(z) = (tracer.rows.first[t] < trajectory.len()).then(|| trajectory.z.row(tracer.rows.first[t])) else {
-        return Ok(vec![f64::NAN; n]);
-    };
     let h = DMatrix::from_row_slice(m, n, &values[..m * n]);
     let residual = DVector::from_iterator(m, z.iter().zip(&values[m * n..]).map(|(z, offset)| z - offset));
     // The singular values of a measurement matrix are far from the rounding error that this bound stands for.
-    let inverse = h.pseudo_inverse(1e-12).unwrap_or_else(|_| DMatrix::zeros(n, m));
+    let rounding = 1e-12 * h.norm();
+    let inverse = h.pseudo_inverse(rounding).unwrap_or_else(|_| DMatrix::zeros(n, m));
     Ok((inverse * residual).as_slice().to_vec())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::{Table, Trajectory};
+    use crate::evaluate::{CpuEvaluator, CpuOptions, Evaluator, Population};
+    use crate::reference;
+
+    fn log(trajectories: &[&[[f64; 2]]]) -> Log {
+        let trajectory = |rows: &&[[f64; 2]]| {
+            let (mut z, mut u, mut truth) = (Table::new(1), Table::new(1), Table::new(0));
+            for row in *rows {
+                z.push(&row[..1]);
+                u.push(&row[1..]);
+                truth.push(&[]);
+            }
+            let time = (0u32..).take(rows.len()).map(f64::from).collect();
+            Trajectory { id: String::new(), line: vec![2; rows.len()], time, z, u, truth }
+        };
+        Log {
+            source: "start.csv".to_owned(),
+            measurements: vec!["z".to_owned()],
+            inputs: vec!["u".to_owned()],
+            truth: vec![],
+            trajectories: trajectories.iter().map(trajectory).collect(),
+        }
+    }
+
+    fn problem(h: &str, r: &str) -> Problem {
+        let text = format!(
+            "[data]\nfile = \"none.csv\"\nmeasurements = [\"z\"]\ninputs = [\"u\"]\n[model]\nstate = [\"x\"]\nf = [\"x\"]\n\
+             h = [\"{h}\"]\nQ = [0.1]\nR = [\"{r}\"]\nx0 = \"measurement\"\nP0 = [4]\n[parameters]\n\
+             r = {{ min = 0.1, max = 9, start = 1 }}\n"
+        );
+        Problem::parse(&text, "start.toml").unwrap()
+    }
+
+    fn assert_equal(problem: &Problem, log: &Log) {
+        let mut lanes = CpuEvaluator::new(problem, log, CpuOptions::default()).unwrap();
+        let found = lanes.evaluate(&Population::from_rows(1, vec![2.0])).costs(0)[0];
+        let expected = reference::costs(problem, log, &[2.0]).unwrap()[0];
+        assert!((found - expected).abs() <= 1e-10 * expected.abs(), "found {found}, the reference says {expected}");
+    }
+
+    #[test]
+    fn a_last_trajectory_without_a_measurement_to_start_from_has_no_rows() {
+        let measured = [[f64::NAN, 0.5], [3.0, 0.25], [2.0, 0.0]];
+        let never = [[f64::NAN, 0.5], [f64::NAN, 0.25]];
+        assert_equal(&problem("x + u", "r"), &log(&[&measured, &never]));
+    }
+
+    #[test]
+    fn a_start_from_a_measurement_does_not_depend_on_units() {
+        let rows = [[3e-14, 0.0], [2e-14, 0.0], [4e-14, 0.0]];
+        assert_equal(&problem("x * 1e-14", "r * 1e-28"), &log(&[&rows]));
+    }
 }

@@ -64,43 +64,51 @@ impl Destination {
         match self {
             Self::File(path) => write_whole(path, fill),
             Self::Stdout => {
-                let mut out = BufWriter::new(Watched { out: io::stdout().lock(), broken: false });
+                let mut out = BufWriter::new(Watched { out: io::stdout().lock(), failure: None });
                 let written = fill(&mut out).and_then(|()| Ok(out.flush()?));
                 // Table writers wrap the error in their own; what it was must not be lost.
-                if out.get_ref().broken { Err(io::Error::from(io::ErrorKind::BrokenPipe).into()) } else { written }
+                let failure = out.get_ref().failure;
+                failure.map_or(written, |kind| Err(io::Error::from(kind)).context(STDOUT))
             }
         }
     }
 }
 
-/// Remembers that the reader has gone.
+/// What is said when standard output fails.
+const STDOUT: &str = "cannot write to standard output";
+
+/// Remembers why writing failed.
 struct Watched<W> {
     out: W,
-    broken: bool,
+    failure: Option<io::ErrorKind>,
+}
+
+impl<W> Watched<W> {
+    fn watch<T>(&mut self, result: io::Result<T>) -> io::Result<T> {
+        // An interrupted call is repeated by the writers above.
+        let kind = result.as_ref().err().map(io::Error::kind).filter(|kind| *kind != io::ErrorKind::Interrupted);
+        self.failure = self.failure.or(kind);
+        result
+    }
 }
 
 impl<W: Write> Write for Watched<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let written = self.out.write(bytes);
-        self.broken |= written.as_ref().is_err_and(|e| e.kind() == io::ErrorKind::BrokenPipe);
-        written
+        self.watch(written)
     }
 
     fn flush(&mut self) -> io::Result<()> {
         let flushed = self.out.flush();
-        self.broken |= flushed.as_ref().is_err_and(|e| e.kind() == io::ErrorKind::BrokenPipe);
-        flushed
+        self.watch(flushed)
     }
 }
 
 /// Prints a verb's text result on standard output.
 pub(super) fn print(text: &str) -> anyhow::Result<()> {
+    let end = if text.ends_with('\n') { "" } else { "\n" };
     let mut out = io::stdout().lock();
-    out.write_all(text.as_bytes())?;
-    if !text.ends_with('\n') {
-        out.write_all(b"\n")?;
-    }
-    Ok(out.flush()?)
+    write!(out, "{text}{end}").and_then(|()| out.flush()).context(STDOUT)
 }
 
 /// Prints exactly one JSON object on standard output.

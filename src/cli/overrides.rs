@@ -3,7 +3,7 @@
 //! They are written into the file's text and the text is read again: flags and keys obey the same rules, and the
 //! tuned.toml of a run holds what the run did.
 
-use anyhow::bail;
+use anyhow::anyhow;
 use toml_edit::{Array, DocumentMut, InlineTable, Item, TableLike, Value, value};
 
 use crate::model::{Problem, ProblemError};
@@ -47,14 +47,16 @@ pub(super) fn apply(problem: Problem, overrides: &[Override]) -> anyhow::Result<
     if overrides.is_empty() {
         return Ok(problem);
     }
-    let Err(error) = replaced(&problem, overrides) else { return Ok(replaced(&problem, overrides)?) };
-    // The first flag after which the problem is refused is the one to name.
-    for count in 1..=overrides.len() {
-        if let Err(error) = replaced(&problem, &overrides[..count]) {
-            bail!("{}: {}", overrides[count - 1].flag, error.cause);
-        }
+    replaced(&problem, overrides).map_err(|error| blame(&problem, overrides, error))
+}
+
+/// Names the flag to blame: the first after which the problem is refused.
+fn blame(problem: &Problem, overrides: &[Override], error: ProblemError) -> anyhow::Error {
+    let refused = |count: &usize| replaced(problem, &overrides[..*count]).is_err();
+    match (1..=overrides.len()).find(refused) {
+        Some(count) => anyhow!("{}: {}", overrides[count - 1].flag, error.cause),
+        None => error.into(),
     }
-    Err(error.into())
 }
 
 fn replaced(problem: &Problem, overrides: &[Override]) -> Result<Problem, ProblemError> {
@@ -62,7 +64,7 @@ fn replaced(problem: &Problem, overrides: &[Override]) -> Result<Problem, Proble
 }
 
 /// The text with a key replaced; as it was where it is no TOML, which no problem's text is.
-pub(super) fn edited(text: &str, overrides: &[Override]) -> String {
+fn edited(text: &str, overrides: &[Override]) -> String {
     let Ok(mut document) = text.parse::<DocumentMut>() else { return text.to_owned() };
     for Override { path, value, .. } in overrides {
         document.entry(path[0]).or_insert(toml_edit::table());
@@ -108,16 +110,12 @@ fn existing_objectives(text: &str) -> Vec<Value> {
 mod tests {
     use super::*;
 
-    fn with(text: &str, overrides: &[Override]) -> String {
-        edited(text, overrides)
-    }
-
     #[test]
     fn comments_and_order_stay() {
         let text = "[tune]\nseed = 7 # mine\nstop = { stall = 3 }\n";
         let seed = Override::new("--seed", &["tune", "seed"], 9);
         let target = Override::new("--target", &["tune", "stop", "target"], 1.5);
-        assert_eq!(with(text, &[seed, target]), "[tune]\nseed = 9 # mine\nstop = { stall = 3 , target = 1.5 }\n");
+        assert_eq!(edited(text, &[seed, target]), "[tune]\nseed = 9 # mine\nstop = { stall = 3 , target = 1.5 }\n");
     }
 
     #[test]
@@ -125,7 +123,7 @@ mod tests {
         let target = Override::new("--target", &["tune", "stop", "target"], 1.5);
         for text in ["", "[data]\nfile = \"a.csv\"\n", "[tune]\n", "tune = { seed = 1 }\n", "[tune.stop]\nstall = 1\n"]
         {
-            let read: toml::Table = with(text, std::slice::from_ref(&target)).parse().unwrap();
+            let read: toml::Table = edited(text, std::slice::from_ref(&target)).parse().unwrap();
             assert_eq!(read["tune"]["stop"]["target"].as_float(), Some(1.5), "{text:?} became {read:?}");
         }
     }

@@ -23,6 +23,7 @@ use crate::study::{self, Judge, Observer, Outcome, StopReason, Study};
 ///
 /// With no file, tunes a built-in example (the level of the Nile, 1871-1970) on data that ships with the program.
 #[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
 pub(super) struct Tune {
     /// Problem file (TOML; `kfgpu init LOG.csv` writes one).
     problem: Option<PathBuf>,
@@ -87,7 +88,7 @@ struct Search {
     stall: Option<i64>,
 
     /// Stop when the first objective is at or below this, in its own unit (default: the file's `tune.stop.target`, or none).
-    #[arg(long, value_name = "COST", allow_negative_numbers = true)]
+    #[arg(long, value_name = "COST")]
     target: Option<f64>,
 
     /// Leave out the local search in f64 that ends a study of one objective (default: as the file's `tune.polish`,
@@ -111,6 +112,7 @@ impl Tune {
         let folder = self.out.as_deref().map(OutFolder::prepare).transpose()?;
         let (outcome, device) = self.study(&problem, &log, console)?;
 
+        let said = warnings.len();
         let effort = Effort::of(&problem, &log, &outcome, device, warnings);
         let Some(winner) = &outcome.winner else { return self.report_nothing(effort, &outcome, folder.as_ref()) };
         let tuning = Tuning::of(effort, &problem, &log, winner)?;
@@ -123,6 +125,7 @@ impl Tune {
         } else {
             files::print(&tuning.to_string())?;
         }
+        tuning.effort.warnings[said..].iter().for_each(|warning| console.warn(warning));
         let interrupted = outcome.stop == StopReason::Interrupted;
         Ok(if interrupted { Ending::Interrupted } else { Ending::Done })
     }

@@ -10,6 +10,7 @@ mod run_csv;
 mod table;
 mod text;
 mod tuning;
+mod warnings;
 
 pub use bound::Bound;
 pub use consistency::{Consistency, Evidence, Finding, Nees, Verdict, Whiteness};
@@ -20,3 +21,4 @@ pub use raw::raw_rmse;
 pub use run_csv::{Covariance, RunTable};
 pub use table::TextTable;
 pub use tuning::{Certificate, Effort, LogFacts, Nothing, Polish, Scored, Tuning};
+pub use warnings::Warning;

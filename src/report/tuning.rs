@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Bound, Consistency, Evidence, Matrices, Named, matrices, raw_rmse};
+use super::{Bound, Consistency, Evidence, Matrices, Named, Warning, matrices, raw_rmse};
 use crate::data::Log;
 use crate::evaluate::Device;
 use crate::model::Problem;
@@ -58,9 +58,6 @@ pub struct LogFacts {
 /// otherwise; parameters are in their own units.
 #[derive(Debug, Clone, Serialize)]
 pub struct Tuning {
-    /// How it was found.
-    #[serde(flatten)]
-    pub effort: Effort,
     /// The winner.
     pub parameters: Named<f64>,
     /// Bounds that the winner sits on, of the parameters that do.
@@ -85,14 +82,15 @@ pub struct Tuning {
     pub matrices: Matrices,
     /// RMSE of the raw measurements, for `rmse` objectives whose states are measured directly.
     pub raw_measurements: Named<f64>,
+    /// How it was found.
+    #[serde(flatten)]
+    pub effort: Effort,
 }
 
 /// The result of a study without a usable candidate: everything that a [`Tuning`] would add is null.
 #[derive(Debug, Clone, Serialize)]
 #[expect(missing_docs, reason = "as in Tuning")]
 pub struct Nothing {
-    #[serde(flatten)]
-    pub effort: Effort,
     pub parameters: (),
     pub objectives: (),
     pub validation: (),
@@ -101,6 +99,8 @@ pub struct Nothing {
     pub front: (),
     pub polish: (),
     pub matrices: (),
+    #[serde(flatten)]
+    pub effort: Effort,
 }
 
 /// Parameters and their objectives.
@@ -203,7 +203,7 @@ impl Tuning {
             .zip(&winner.candidate)
             .filter_map(|((parameter, search), value)| Some((parameter.name.clone(), Bound::of(search, *value)?)));
         let raw = problem.tune.objectives.iter().filter_map(|o| Some((o.name(), raw_rmse(problem, log, o)?)));
-        Ok(Self {
+        let mut tuning = Self {
             effort,
             parameters: parameters(problem, &winner.candidate),
             at_bound: at_bound.collect(),
@@ -217,7 +217,10 @@ impl Tuning {
             polish: winner.polish.as_ref().map(|polish| Polish::of(problem, polish)),
             matrices: Matrices::of(problem, log, &winner.candidate, last_gain),
             raw_measurements: raw.collect(),
-        })
+        };
+        let found = Warning::of(&tuning);
+        tuning.effort.warnings.extend(found.iter().map(ToString::to_string));
+        Ok(tuning)
     }
 }
 

@@ -238,6 +238,7 @@ fn wrong_use_of_flags() {
         ("--objectives", "nll,nothing"),
         ("--objectives", "rmse"),
         ("--population", "0"),
+        ("--seed", "-1"),
         ("--wall-time", "-1"),
         ("--wall-time", "nan"),
         ("--threads", "0"),
@@ -245,5 +246,17 @@ fn wrong_use_of_flags() {
         let finished = folder.run(&["tune", "problem.toml", flag, value]).expect(2);
         assert_eq!(finished.stdout, "", "{flag} {value}");
         assert!(!finished.stderr.contains("panicked"), "{flag} {value}: {}", finished.stderr);
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_an_error() {
+    let folder = Folder::with_level();
+    for verb in ["filter", "tune", "tape"] {
+        let full = std::fs::File::create("/dev/full").unwrap();
+        let mut command = folder.command(&[verb, "problem.toml", "--quiet"]);
+        let message = crate::command::Finished::from(command.stdout(full).output().unwrap()).refusal();
+        says(&message, &["cannot write to standard output"]);
     }
 }

@@ -152,6 +152,28 @@ fn nothing_usable_exits_1_and_says_so_everywhere() {
     assert!(finished.stderr.contains("error: log.csv:"), "{}", finished.stderr);
 }
 
+#[test]
+fn what_needs_a_second_look_is_said_and_recorded() {
+    let folder = Folder::with_level();
+    // The variance of x is q - 20, so candidates with a smaller q may fail.
+    let failing =
+        folder.read("problem.toml").replace("x = \"q\"", "x = \"q - 20\"").replace("start = 1,", "start = 90,");
+    folder.write("failing.toml", failing);
+    let finished = folder.run(&["tune", "failing.toml", "--json"]).expect(0);
+    let json = finished.json();
+    assert!(json["failed"].as_u64().unwrap() > 0, "{json}");
+    let warning = format!("{} of {} evaluations failed", json["failed"], json["evaluations"]);
+    assert!(json["warnings"].to_string().contains(&warning), "{json}");
+    assert!(finished.stderr.contains(&format!("warning: {warning}")), "{}", finished.stderr);
+
+    let optimum = tune(&folder, &["--generations", "40"])["parameters"].clone();
+    let (q, r) = (optimum["q"].to_string(), optimum["r"].to_string());
+    let solved = folder.read("problem.toml").replace("start = 1,", &format!("start = {q},"));
+    folder.write("problem.toml", solved.replace("start = 50", &format!("start = {r}")));
+    let json = tune(&folder, &["--algorithm", "random", "--generations", "1", "--no-start", "--no-polish"]);
+    assert!(json["warnings"].to_string().contains("no better than the baseline"), "{json}");
+}
+
 /// Ctrl-C, as a shell sends it.
 #[cfg(unix)]
 fn interrupt(process: u32) {
@@ -175,6 +197,24 @@ fn ctrl_c_writes_the_best_so_far_and_exits_130() {
     assert_eq!(json["stop"], "interrupted");
     assert!(json["objectives"]["nll"].as_f64() < json["baseline"]["objectives"]["nll"].as_f64(), "{json}");
     assert_eq!(folder.names("out"), ["history.csv", "result.json", "tuned.toml"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_second_ctrl_c_does_not_wait() {
+    let folder = Folder::with_level();
+    folder.write("log.csv", crate::command::level_log(20_000));
+    // One generation takes minutes.
+    let child = folder.spawn(&["tune", "problem.toml", "--json", "--population", "1000000", "--out", "out"]);
+    std::thread::sleep(Duration::from_millis(700));
+    let asked = Instant::now();
+    interrupt(child.id());
+    std::thread::sleep(Duration::from_millis(200));
+    interrupt(child.id());
+    let finished = Finished::from(child.wait_with_output().unwrap()).expect(130);
+    assert!(asked.elapsed() < Duration::from_secs(20), "{:?}", asked.elapsed());
+    assert_eq!(finished.stdout, "");
+    assert!(folder.names("out").is_empty(), "nothing half written: {:?}", folder.names("out"));
 }
 
 #[test]

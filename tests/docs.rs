@@ -138,6 +138,38 @@ fn outputs_in_the_readme_are_what_is_printed() {
     }
 }
 
+/// Cells of a table's row.
+fn cells(row: &str) -> Vec<&str> {
+    row.trim_matches('|').split('|').map(|cell| cell.trim().trim_matches('`')).collect()
+}
+
+/// Accuracy and speed are quoted from the files that the measurements are recorded in.
+#[test]
+fn figures_in_the_readme_are_the_recorded_ones() {
+    let (readme, speed) = (read("README.md"), read("benches/RESULTS.md"));
+    let mut budget = csv::Reader::from_path(path("tests/parity/budget.csv")).unwrap();
+    let records: Vec<(String, String, String)> = budget.deserialize().map(Result::unwrap).collect();
+    let section = |from: &str| readme.split(from).nth(1).unwrap().split("\n## ").next().unwrap().to_owned();
+    let rows = |text: String| -> Vec<String> {
+        text.lines().filter(|l| l.starts_with("| ")).skip(1).map(str::to_owned).collect()
+    };
+    let accuracy = rows(section("\n## Accuracy\n"));
+    assert!(accuracy.len() > 5, "the README has a table of accuracy");
+    for row in accuracy {
+        let cells = cells(&row);
+        for (precision, error) in [("f64", cells[1]), ("f32", cells[2])] {
+            let record = records.iter().find(|(case, p, _)| case == cells[0] && p == precision);
+            let recorded = record.map(|(_, _, error)| error.as_str());
+            assert_eq!(recorded, Some(error), "budget.csv and README, {} {precision}: copy the record", cells[0]);
+        }
+    }
+    let measured = rows(section("\n## Speed\n"));
+    assert!(measured.len() > 5, "the README has a table of speed");
+    for row in measured {
+        assert!(speed.contains(&row), "benches/RESULTS.md has no row {row}: copy the row from there");
+    }
+}
+
 /// Relative links lead somewhere.
 #[test]
 fn links_lead_to_files() {

@@ -164,8 +164,8 @@ fn walk_trajectory(
     }
     while *row < trajectory.len() {
         let k = *row;
-        if k > 0 {
-            filter.predict(trajectory.time[k] - trajectory.time[k - 1], trajectory.u.row(k - 1))?;
+        if let Some(dt) = k.checked_sub(1).and_then(|before| trajectory.dt(before)) {
+            filter.predict(dt, trajectory.u.row(k - 1))?;
         }
         let updated = filter.update(trajectory.z.row(k), trajectory.u.row(k))?;
         visit(k, filter, updated);

@@ -288,10 +288,33 @@ mod tests {
         for value in [1.0, 0.75, 1e300, 3e-300, 6.02e23] {
             let (mantissa, exponent) = f64::split(value);
             assert!((1.0..2.0).contains(&mantissa), "{value}: mantissa {mantissa}");
-            assert_eq!(mantissa * exponent.exp2(), value, "mantissa x 2^exponent");
+            assert_eq!((mantissa * exponent.exp2()).to_bits(), value.to_bits(), "{value} is mantissa x 2^exponent");
         }
         let (mantissa, exponent) = f32::split(1e-20);
-        assert_eq!(mantissa * exponent.exp2(), 1e-20, "f32");
+        assert_eq!((mantissa * exponent.exp2()).to_bits(), 1e-20_f32.to_bits(), "f32");
         assert!(f64::INFINITY.split().0.is_nan(), "overflow is not hidden");
+    }
+
+    /// Products of the smallest and largest factors that are promised, split as often as promised.
+    #[test]
+    fn products_between_splits_do_not_overflow() {
+        fn logarithm<T: Lane>(factor: f64) -> f64 {
+            let (mut product, mut twos) = (T::ONE, 0.0);
+            for k in 1..=24 {
+                product = product * T::from_f64(factor);
+                if k % T::STEPS_PER_SPLIT == 0 {
+                    let (mantissa, exponent) = product.split();
+                    product = mantissa;
+                    twos += exponent.to_f64();
+                }
+            }
+            (product.to_f64().ln() + twos * std::f64::consts::LN_2) / 24.0
+        }
+        for factor in [1e-38_f64, 1e-19, 0.3, 1e19, 1e38] {
+            assert!((logarithm::<f64>(factor) - factor.ln()).abs() < 1e-12, "f64, {factor}");
+        }
+        for factor in [1e-19_f64, 0.3, 1e19] {
+            assert!((logarithm::<f32>(factor) - factor.ln()).abs() < 1e-6, "f32, {factor}");
+        }
     }
 }

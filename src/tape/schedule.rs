@@ -409,7 +409,8 @@ mod tests {
             let mut registers = values.to_vec();
             run_one(&tape, &mut registers, &scalars);
             for (register, expected) in registers.iter().zip(&expected) {
-                prop_assert!(register == expected || (register - expected).abs() < 1e-12 * expected.abs().max(1.0) || expected.is_nan());
+                let same = register.to_bits() == expected.to_bits() || expected.is_nan();
+                prop_assert!(same || (register - expected).abs() < 1e-12 * expected.abs().max(1.0), "{register} against {expected}");
             }
         }
     }

@@ -2,6 +2,8 @@
 //!
 //! `cargo test --test parity -- --nocapture` prints the table of errors; `budget.csv` keeps it.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 mod bits;
 mod budget;
 mod case;

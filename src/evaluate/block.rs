@@ -51,10 +51,11 @@ fn run_block<T: Lane, const C: usize, const B: usize>(rounded: &Rounded<T>, cand
         let mut sums = vec![Register::<f64, C, B>::splat(0.0); width];
         run_rows(rounded, span.rows.clone(), &mut registers, &mut sums);
         finish(program, &registers, &mut sums);
+        let failed = failures(program, &registers, &sums);
         for lane in 0..n {
             let at = (lane * program.spans.len() + t) * width;
             sums.iter().zip(&mut totals.sums[at..at + width]).for_each(|(s, to)| *to = s.lanes()[lane]);
-            if check(program, &registers).lanes()[lane] <= T::ZERO {
+            if failed.lanes()[lane] {
                 totals.status[lane] = totals.status[lane].union(Status::NOT_POSITIVE);
             }
         }
@@ -166,13 +167,22 @@ fn finish<T: Lane, const C: usize, const B: usize>(
     }
 }
 
-/// The check register.
-fn check<'a, T: Lane, const C: usize, const B: usize>(
+/// Lanes in which an innovation variance was not positive: a product is 0 (its logarithm -inf), or the check is down.
+fn failures<T: Lane, const C: usize, const B: usize>(
     program: &Program,
-    registers: &'a [Register<T, C, B>],
-) -> &'a Register<T, C, B> {
-    let place = program.carried.iter().position(|c| c.role == Role::Check).unwrap_or(0);
-    &registers[place]
+    registers: &[Register<T, C, B>],
+    sums: &[Register<f64, C, B>],
+) -> Register<bool, C, B> {
+    let mut failed = Register::splat(false);
+    for ((_, role), sum) in slots(program).zip(sums) {
+        let lanes = failed.lanes_mut().iter_mut().zip(sum.lanes());
+        lanes.for_each(|(failed, sum)| *failed |= role == Role::Product && *sum == f64::NEG_INFINITY);
+    }
+    for (carried, register) in program.carried.iter().zip(registers) {
+        let lanes = failed.lanes_mut().iter_mut().zip(register.lanes());
+        lanes.for_each(|(failed, check)| *failed |= carried.role == Role::Check && *check <= T::ZERO);
+    }
+    failed
 }
 
 macro_rules! versions {
@@ -186,10 +196,12 @@ macro_rules! versions {
 }
 
 versions! {
+    f64_128: f64, 8 x 16;
     f64_64: f64, 8 x 8;
     f64_16: f64, 8 x 2;
     f64_8: f64, 8 x 1;
-    f32_128: f32, 16 x 8;
+    f32_256: f32, 16 x 16;
+    f32_64: f32, 16 x 4;
     f32_16: f32, 16 x 1;
 }
 
@@ -202,24 +214,26 @@ pub(super) trait Blocks: Lane {
 }
 
 impl Blocks for f64 {
-    const WIDEST: usize = 64;
+    const WIDEST: usize = 128;
 
     fn run(rounded: &Rounded<Self>, candidates: &[f64]) -> Totals {
         match candidates.len() / rounded.program.parameters.max(1) {
             0..=8 => f64_8(rounded, candidates),
             9..=16 => f64_16(rounded, candidates),
-            _ => f64_64(rounded, candidates),
+            17..=64 => f64_64(rounded, candidates),
+            _ => f64_128(rounded, candidates),
         }
     }
 }
 
 impl Blocks for f32 {
-    const WIDEST: usize = 128;
+    const WIDEST: usize = 256;
 
     fn run(rounded: &Rounded<Self>, candidates: &[f64]) -> Totals {
         match candidates.len() / rounded.program.parameters.max(1) {
             0..=16 => f32_16(rounded, candidates),
-            _ => f32_128(rounded, candidates),
+            17..=64 => f32_64(rounded, candidates),
+            _ => f32_256(rounded, candidates),
         }
     }
 }
@@ -273,10 +287,10 @@ mod tests {
             let candidates = candidates(n);
             let plain = run_block::<f64, 1, 64>(&double, &candidates);
             assert_eq!(bits(&f64::run(&double, &candidates)), bits(&plain), "f64, {n} candidates");
-            assert_eq!(bits(&f64_64(&double, &candidates)), bits(&plain), "f64, {n} candidates in the widest block");
+            assert_eq!(bits(&f64_128(&double, &candidates)), bits(&plain), "f64, {n} candidates in the widest block");
             let plain = run_block::<f32, 1, 64>(&single, &candidates);
             assert_eq!(bits(&f32::run(&single, &candidates)), bits(&plain), "f32, {n} candidates");
-            assert_eq!(bits(&f32_128(&single, &candidates)), bits(&plain), "f32, {n} candidates in the widest block");
+            assert_eq!(bits(&f32_256(&single, &candidates)), bits(&plain), "f32, {n} candidates in the widest block");
         }
     }
 

@@ -3,7 +3,7 @@
 use super::block::{Blocks, Rounded, Totals, instruction_set};
 use super::{Device, Evaluation, Evaluator, Population, Precision, Status};
 use crate::data::Log;
-use crate::filter::{Entry, Nominal, Program, TraceError, trace};
+use crate::filter::{Entry, Nominal, Program, Role, TraceError, trace};
 use crate::model::Problem;
 use crate::objective::Objective;
 use crate::tape::lanes::run_one;
@@ -197,9 +197,11 @@ fn nominal(problem: &Problem, log: &Log) -> Result<Nominal, TraceError> {
         let mut registers = candidate.clone();
         run_one(&program.prologue, &mut registers, &span.scalars);
         let mut results = registers[program.parameters..].to_vec();
-        let invariants = results.split_off(program.carried.len() - 1);
-        // The check stands between the carried states and the invariants.
-        let mut registers: Vec<f64> = results.into_iter().chain([1.0]).chain(invariants).collect();
+        let carried = program.carried.iter().filter(|c| c.role == Role::State).count();
+        let invariants = results.split_off(carried);
+        // The check, where there is one, stands between the carried states and the invariants.
+        let checks = program.carried[carried..].iter().map(|_| 1.0);
+        let mut registers: Vec<f64> = results.into_iter().chain(checks).chain(invariants).collect();
         for row in span.rows.clone() {
             states.extend(program.entries[..n].iter().map(|entry| match entry {
                 Entry::Constant(value) => *value,

@@ -15,9 +15,10 @@ pub enum Role {
     State,
     /// A running sum: starts at 0, is moved to an f64 total every [`Program::BLOCK`] rows.
     Sum,
-    /// A running product: starts at 1, its exponent is taken out every few rows; the total is its logarithm.
+    /// A running product: starts at 1, its exponent is taken out every few rows; the total is its logarithm. It stays 0
+    /// once a factor was not positive.
     Product,
-    /// 1 as long as every innovation variance was positive, -1 after one was not.
+    /// 1 as long as the innovation variances that no product watches over were positive, -1 after one was not.
     Check,
 }
 

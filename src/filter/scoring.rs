@@ -168,9 +168,11 @@ impl Scoring<'_> {
         self.slot(Role::Sum, value)
     }
 
-    /// Multiplies `value` up over the rows where `gate` is positive; the slot holds the logarithm of the product.
+    /// Multiplies `value` up over the rows where `gate` is positive; the slot holds the logarithm of the product, which
+    /// stays 0 once a factor was not positive.
     pub(crate) fn log_product(&mut self, value: Id, gate: Id) -> usize {
         let one = self.g.constant(1.0);
+        let value = self.g.unary(Unary::Positive, value);
         let factor = self.g.select(gate, value, one);
         self.slot(Role::Product, factor)
     }

@@ -10,7 +10,7 @@ use super::symmetric::Symmetric;
 use crate::data::Log;
 use crate::model::{Problem, Start};
 use crate::objective::Objective;
-use crate::tape::{Calculator, Graph, Id, Leaf, Output, Tape};
+use crate::tape::{Calculator, Graph, Id, Leaf, Output, Tape, Unary};
 use nalgebra::{DMatrix, DVector};
 
 /// Traces the filter of `problem` over `log` for some objectives.
@@ -50,7 +50,7 @@ struct Step {
     /// Entries of x and P after the step.
     next: Vec<Id>,
     sums: Vec<(Role, Id)>,
-    /// What a candidate fails without.
+    /// What a candidate fails without, unless a product watches over it.
     positive: Vec<Id>,
     traced: Vec<Traced>,
 }
@@ -78,6 +78,10 @@ impl Step {
             positive: &mut positive,
         };
         let traced = objectives.iter().map(|o| o.trace(&mut scoring)).collect();
+        positive.retain(|value| {
+            let factor = tracer.g.unary(Unary::Positive, *value);
+            !sums.contains(&(Role::Product, factor))
+        });
         let (x, p) = recursion.predict(&mut tracer.g, &x, &p);
         let next = x.iter().chain(p.upper()).copied().collect();
         Ok(Self { next, sums, positive, traced })
@@ -140,7 +144,9 @@ impl Step {
             let name = if *role == Role::Product { format!("product{i}") } else { format!("sum{i}") };
             carried.push(Carried { name, role: *role });
         }
-        carried.push(Carried { name: "check".to_owned(), role: Role::Check });
+        if !self.positive.is_empty() {
+            carried.push(Carried { name: "check".to_owned(), role: Role::Check });
+        }
         carried
     }
 
@@ -150,9 +156,10 @@ impl Step {
         for ((role, value), leaf) in self.sums.iter().zip(leaves) {
             next.push(if *role == Role::Product { g.mul(*leaf, *value) } else { g.add(*leaf, *value) });
         }
-        let failed = g.constant(-1.0);
-        let check = leaves.last().copied().unwrap_or(failed);
-        next.push(self.positive.iter().fold(check, |check, value| g.select(*value, check, failed)));
+        if let Some(check) = leaves.get(self.sums.len()) {
+            let failed = g.constant(-1.0);
+            next.push(self.positive.iter().fold(*check, |check, value| g.select(*value, check, failed)));
+        }
         next
     }
 }

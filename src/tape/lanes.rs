@@ -37,7 +37,8 @@ pub trait Lane:
     fn unary(self, op: Unary) -> Self;
     /// The operations that are rarely needed: min, max, atan2, power.
     fn rare(self, op: Binary, other: Self) -> Self;
-    /// A positive normal number as a mantissa in [1, 2) and a power of two; anything that is not finite becomes NaN.
+    /// A positive normal number as a mantissa in [1, 2) and a power of two. 0 keeps the mantissa 0 (a product that has met
+    /// a factor that is not positive stays 0), and what is not finite becomes NaN.
     fn split(self) -> (Self, Self);
 }
 
@@ -70,6 +71,13 @@ macro_rules! lane {
                     Unary::Tan => self.tan(),
                     Unary::Atan => self.atan(),
                     Unary::Abs => self.abs(),
+                    Unary::Positive => {
+                        if self > 0.0 {
+                            self
+                        } else {
+                            0.0
+                        }
+                    }
                 }
             }
 
@@ -95,6 +103,7 @@ macro_rules! lane {
                 let exponent = ((bits & EXPONENT) >> $mantissa_bits) as i32 - $bias;
                 let mantissa = Self::from_bits(bits & !EXPONENT | ONE);
                 let mantissa = if bits & EXPONENT == EXPONENT { Self::NAN } else { mantissa };
+                let mantissa = if bits & EXPONENT == 0 { 0.0 } else { mantissa };
                 (mantissa, exponent as Self)
             }
         }
@@ -161,120 +170,111 @@ pub fn run_one(tape: &Tape, registers: &mut Vec<f64>, scalars: &[f64]) {
 #[inline(always)]
 fn execute<T: Lane, const C: usize, const B: usize>(op: &Operation, r: &mut [Register<T, C, B>], s: &[T]) {
     use Argument::{Register as R, Scalar as S};
-    let to = op.register as usize;
-    let [a, b, c] = op.arguments;
-    match (op.code, a, b, c) {
-        (Code::Binary(Binary::Add), R(a), R(b), _) => two(r, to, a, b, |a, b| a + b),
-        (Code::Binary(Binary::Add), R(a), S(b), _) => one(r, to, a, s[b as usize], |a, b| a + b),
-        (Code::Binary(Binary::Subtract), R(a), R(b), _) => two(r, to, a, b, |a, b| a - b),
-        (Code::Binary(Binary::Subtract), R(a), S(b), _) => one(r, to, a, s[b as usize], |a, b| a - b),
-        (Code::Binary(Binary::Subtract), S(a), R(b), _) => one(r, to, b, s[a as usize], |b, a| a - b),
-        (Code::Binary(Binary::Multiply), R(a), R(b), _) => two(r, to, a, b, |a, b| a * b),
-        (Code::Binary(Binary::Multiply), R(a), S(b), _) => one(r, to, a, s[b as usize], |a, b| a * b),
-        (Code::Binary(Binary::Divide), R(a), R(b), _) => two(r, to, a, b, |a, b| a / b),
-        (Code::Binary(Binary::Divide), S(a), R(b), _) => one(r, to, b, s[a as usize], |b, a| a / b),
-        (Code::MultiplyAdd, R(a), R(b), R(c)) => three(r, to, [a, b, c], |a, b, c| a * b + c),
-        (Code::MultiplyAdd, R(a), S(b), R(c)) => two_one(r, to, a, c, s[b as usize], |a, c, b| a * b + c),
-        (Code::MultiplyAdd, R(a), R(b), S(c)) => two_one(r, to, a, b, s[c as usize], |a, b, c| a * b + c),
-        (Code::MultiplySubtract, R(a), R(b), R(c)) => three(r, to, [a, b, c], |a, b, c| a * b - c),
-        (Code::MultiplySubtract, R(a), S(b), R(c)) => two_one(r, to, a, c, s[b as usize], |a, c, b| a * b - c),
-        (Code::SubtractProduct, R(a), R(b), R(c)) => three(r, to, [a, b, c], |a, b, c| c - a * b),
-        (Code::SubtractProduct, R(a), S(b), R(c)) => two_one(r, to, a, c, s[b as usize], |a, c, b| c - a * b),
-        (Code::SubtractProduct, R(a), R(b), S(c)) => two_one(r, to, a, b, s[c as usize], |a, b, c| c - a * b),
-        (Code::Select, S(a), R(b), S(c)) => {
-            let (otherwise, then) = (s[c as usize], s[a as usize] > T::ZERO);
-            one(r, to, b, otherwise, |b, otherwise| if then { b } else { otherwise });
+    use Binary::{Add, Divide, Multiply, Subtract};
+    let to = op.register;
+    let s = |scalar: u16| s[scalar as usize];
+    match (op.code, op.arguments) {
+        (Code::Binary(Add), [R(a), R(b), ..]) => apply(r, to, [a, b], [], |[a, b], []| a + b),
+        (Code::Binary(Add), [R(a), S(b), ..]) => apply(r, to, [a], [s(b)], |[a], [b]| a + b),
+        (Code::Binary(Subtract), [R(a), R(b), ..]) => apply(r, to, [a, b], [], |[a, b], []| a - b),
+        (Code::Binary(Subtract), [R(a), S(b), ..]) => apply(r, to, [a], [s(b)], |[a], [b]| a - b),
+        (Code::Binary(Subtract), [S(a), R(b), ..]) => apply(r, to, [b], [s(a)], |[b], [a]| a - b),
+        (Code::Binary(Multiply), [R(a), R(b), ..]) => apply(r, to, [a, b], [], |[a, b], []| a * b),
+        (Code::Binary(Multiply), [R(a), S(b), ..]) => apply(r, to, [a], [s(b)], |[a], [b]| a * b),
+        (Code::Binary(Divide), [R(a), R(b), ..]) => apply(r, to, [a, b], [], |[a, b], []| a / b),
+        (Code::Binary(Divide), [S(a), R(b), ..]) => apply(r, to, [b], [s(a)], |[b], [a]| a / b),
+        (Code::MultiplyAdd, [R(a), R(b), R(c), ..]) => apply(r, to, [a, b, c], [], |[a, b, c], []| a * b + c),
+        (Code::MultiplyAdd, [R(a), S(b), R(c), ..]) => apply(r, to, [a, c], [s(b)], |[a, c], [b]| a * b + c),
+        (Code::MultiplyAdd, [R(a), R(b), S(c), ..]) => apply(r, to, [a, b], [s(c)], |[a, b], [c]| a * b + c),
+        (Code::MultiplySubtract, [R(a), R(b), R(c), ..]) => apply(r, to, [a, b, c], [], |[a, b, c], []| a * b - c),
+        (Code::MultiplySubtract, [R(a), S(b), R(c), ..]) => apply(r, to, [a, c], [s(b)], |[a, c], [b]| a * b - c),
+        (Code::SubtractProduct, [R(a), R(b), R(c), ..]) => apply(r, to, [a, b, c], [], |[a, b, c], []| c - a * b),
+        (Code::SubtractProduct, [R(a), S(b), R(c), ..]) => apply(r, to, [a, c], [s(b)], |[a, c], [b]| c - a * b),
+        (Code::SubtractProduct, [R(a), R(b), S(c), ..]) => apply(r, to, [a, b], [s(c)], |[a, b], [c]| c - a * b),
+        (Code::Dot, [R(a), R(b), R(c), R(d), _]) => {
+            apply(r, to, [a, b, c, d], [], |[a, b, c, d], []| a * b + c * d);
         }
-        (Code::Select, R(a), R(b), S(c)) => {
-            two_one(r, to, a, b, s[c as usize], |a, b, c| if a > T::ZERO { b } else { c });
+        (Code::Dot, [R(a), R(b), R(c), S(d), _]) => {
+            apply(r, to, [a, b, c], [s(d)], |[a, b, c], [d]| a * b + c * d);
+        }
+        (Code::Dot, [R(a), S(b), R(c), R(d), _]) => {
+            apply(r, to, [a, c, d], [s(b)], |[a, c, d], [b]| a * b + c * d);
+        }
+        (Code::Dot, [R(a), S(b), R(c), S(d), _]) => {
+            apply(r, to, [a, c], [s(b), s(d)], |[a, c], [b, d]| a * b + c * d);
+        }
+        (Code::DotAdd, [R(a), R(b), R(c), R(d), R(e)]) => {
+            apply(r, to, [a, b, c, d, e], [], |[a, b, c, d, e], []| (a * b + e) + c * d);
+        }
+        (Code::DotAdd, [R(a), R(b), R(c), S(d), R(e)]) => {
+            apply(r, to, [a, b, c, e], [s(d)], |[a, b, c, e], [d]| (a * b + e) + c * d);
+        }
+        (Code::DotAdd, [R(a), S(b), R(c), R(d), R(e)]) => {
+            apply(r, to, [a, c, d, e], [s(b)], |[a, c, d, e], [b]| (a * b + e) + c * d);
+        }
+        (Code::DotAdd, [R(a), S(b), R(c), S(d), R(e)]) => {
+            apply(r, to, [a, c, e], [s(b), s(d)], |[a, c, e], [b, d]| (a * b + e) + c * d);
+        }
+        (Code::MultiplyPositive, [R(a), R(b), ..]) => apply(r, to, [a, b], [], |[a, b], []| a * positive(b)),
+        (Code::Select, [S(a), R(b), S(c), ..]) => {
+            let then = s(a) > T::ZERO;
+            apply(r, to, [b], [s(c)], |[b], [c]| if then { b } else { c });
+        }
+        (Code::Select, [R(a), R(b), S(c), ..]) => {
+            apply(r, to, [a, b], [s(c)], |[a, b], [c]| if a > T::ZERO { b } else { c });
         }
         _ => general(op, r, s),
     }
 }
 
-/// `to = f(a, scalar)`.
+/// `to = f(registers, scalars)`, chunk by chunk: within one, every operand is loaded before the result is stored.
 #[inline(always)]
-fn one<T: Lane, const C: usize, const B: usize>(
+fn apply<T: Lane, const C: usize, const B: usize, const R: usize, const S: usize>(
     r: &mut [Register<T, C, B>],
-    to: usize,
-    a: u16,
-    scalar: T,
-    f: impl Fn(T, T) -> T,
+    to: u16,
+    registers: [u16; R],
+    scalars: [T; S],
+    f: impl Fn([T; R], [T; S]) -> T,
 ) {
     for k in 0..B {
-        let x = r[a as usize].0[k];
-        r[to].0[k] = from_fn(|i| f(x[i], scalar));
+        let operands = registers.map(|a| r[a as usize].0[k]);
+        r[to as usize].0[k] = from_fn(|i| f(operands.map(|x| x[i]), scalars));
     }
 }
 
-/// `to = f(a, b)`.
 #[inline(always)]
-fn two<T: Lane, const C: usize, const B: usize>(
-    r: &mut [Register<T, C, B>],
-    to: usize,
-    a: u16,
-    b: u16,
-    f: impl Fn(T, T) -> T,
-) {
-    for k in 0..B {
-        let (x, y) = (r[a as usize].0[k], r[b as usize].0[k]);
-        r[to].0[k] = from_fn(|i| f(x[i], y[i]));
-    }
-}
-
-/// `to = f(a, b, scalar)`.
-#[inline(always)]
-fn two_one<T: Lane, const C: usize, const B: usize>(
-    r: &mut [Register<T, C, B>],
-    to: usize,
-    a: u16,
-    b: u16,
-    scalar: T,
-    f: impl Fn(T, T, T) -> T,
-) {
-    for k in 0..B {
-        let (x, y) = (r[a as usize].0[k], r[b as usize].0[k]);
-        r[to].0[k] = from_fn(|i| f(x[i], y[i], scalar));
-    }
-}
-
-/// `to = f(a, b, c)`.
-#[inline(always)]
-fn three<T: Lane, const C: usize, const B: usize>(
-    r: &mut [Register<T, C, B>],
-    to: usize,
-    [a, b, c]: [u16; 3],
-    f: impl Fn(T, T, T) -> T,
-) {
-    for k in 0..B {
-        let (x, y, z) = (r[a as usize].0[k], r[b as usize].0[k], r[c as usize].0[k]);
-        r[to].0[k] = from_fn(|i| f(x[i], y[i], z[i]));
-    }
+fn positive<T: Lane>(a: T) -> T {
+    if a > T::ZERO { a } else { T::ZERO }
 }
 
 /// Any operation with operands from anywhere: the way of the rare ones.
-fn general<T: Lane, const C: usize, const B: usize>(op: &Operation, r: &mut [Register<T, C, B>], s: &[T]) {
+fn general<T: Lane, const C: usize, const B: usize>(
+    op: &Operation,
+    r: &mut [Register<T, C, B>],
+    scalar: impl Fn(u16) -> T,
+) {
     for k in 0..B {
         let fetch = |argument: Argument| match argument {
             Argument::Register(a) => r[a as usize].0[k],
             Argument::NONE => [T::ZERO; C],
-            Argument::Scalar(a) => [s[a as usize]; C],
+            Argument::Scalar(a) => [scalar(a); C],
         };
-        let [x, y, z] = op.arguments.map(fetch);
-        r[op.register as usize].0[k] = from_fn(|i| match op.code {
-            Code::Copy => x[i],
-            Code::Unary(unary) => x[i].unary(unary),
-            Code::Binary(binary) => x[i].rare(binary, y[i]),
-            Code::Select => {
-                if x[i] > T::ZERO {
-                    y[i]
-                } else {
-                    z[i]
-                }
+        let operands = op.arguments.map(fetch);
+        r[op.register as usize].0[k] = from_fn(|i| {
+            let [a, b, c, d, e] = operands.map(|x| x[i]);
+            match op.code {
+                Code::Copy => a,
+                Code::Unary(unary) => a.unary(unary),
+                Code::Binary(binary) => a.rare(binary, b),
+                Code::Select if a > T::ZERO => b,
+                Code::Select => c,
+                Code::MultiplyAdd => a * b + c,
+                Code::MultiplySubtract => a * b - c,
+                Code::SubtractProduct => c - a * b,
+                Code::Dot => a * b + c * d,
+                Code::DotAdd => (a * b + e) + c * d,
+                Code::MultiplyPositive => a * positive(b),
             }
-            Code::MultiplyAdd => x[i] * y[i] + z[i],
-            Code::MultiplySubtract => x[i] * y[i] - z[i],
-            Code::SubtractProduct => z[i] - x[i] * y[i],
         });
     }
 }

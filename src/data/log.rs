@@ -22,7 +22,7 @@ pub struct Log {
 pub struct Trajectory {
     /// The value of the trajectory column; empty when the log has none.
     pub id: String,
-    /// Time of each row [s]; 0, 1, 2, ... when the log has no time column.
+    /// Time of each row \[s\]; 0, 1, 2, ... when the log has no time column.
     pub time: Vec<f64>,
     /// Measurements, rows x m; NaN = missing.
     pub z: Table,
@@ -88,7 +88,7 @@ impl Trajectory {
         self.time.is_empty()
     }
 
-    /// Interval from row `k` to row `k + 1` [s]; `None` at the last row.
+    /// Interval from row `k` to row `k + 1` \[s\]; `None` at the last row.
     ///
     /// It is rounded to the last decimal that the trajectory's times can hold in f64, so that a log sampled every 0.1 s
     /// has one interval and not three that differ by rounding (from which kfgpu would compute one F and Q a row).
@@ -125,7 +125,7 @@ impl Log {
         self.trajectories.iter().map(Trajectory::len).sum()
     }
 
-    /// The one interval of the whole log [s], or `None` if intervals differ by more than one part in 1e9 or there are none.
+    /// The one interval of the whole log \[s\], or `None` if intervals differ by more than one part in 1e9 or there are none.
     #[must_use]
     pub fn regular_dt(&self) -> Option<f64> {
         let mut intervals = self.trajectories.iter().flat_map(|t| (0..t.len()).filter_map(|k| t.dt(k)));

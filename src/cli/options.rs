@@ -9,15 +9,22 @@ use crate::evaluate::{CpuOptions, Precision};
 /// How candidates are computed.
 #[derive(Debug, Clone, Args)]
 pub(super) struct Compute {
-    /// Number format of the search; `auto` is f64 on the CPU. f32 is about twice as fast and is re-scored in f64 at the
-    /// end.
+    /// Number format of the costs; `auto` is f64 on the CPU. f32 is about twice as fast and less exact; `tune` re-scores
+    /// its winner in f64.
     #[arg(long, value_enum, default_value_t = PrecisionChoice::Auto, value_name = "FORMAT")]
     pub(super) precision: PrecisionChoice,
 
     /// Threads that compute candidates (default: one per core). No result depends on it; give 1 to leave the other
     /// cores alone.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = threads)]
     pub(super) threads: Option<NonZeroUsize>,
+}
+
+/// A number of threads that can be started in a moment: far more than cores gain nothing and take minutes.
+pub(super) fn threads(text: &str) -> Result<NonZeroUsize, String> {
+    const MOST: usize = 1024;
+    let threads = text.parse().ok().filter(|threads: &NonZeroUsize| threads.get() <= MOST);
+    threads.ok_or_else(|| format!("expected a whole number from 1 to {MOST}"))
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -12,4 +12,4 @@ mod simplify;
 
 pub use graph::{Binary, Calculator, Depends, Graph, Id, Leaf, Node, Unary};
 pub use print::{Counts, Names};
-pub use schedule::{Argument, Code, Operation, Output, Tape};
+pub use schedule::{Argument, Code, Operation, Output, Tape, TooLarge};

@@ -39,6 +39,25 @@ impl Argument {
     pub const NONE: Self = Self::Scalar(u16::MAX);
 }
 
+/// A straight line with more values than its operations can name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "the filter's formulas become {registers} candidate values and {scalars} numbers at a time, and at most {} of each fit: \
+     shorten the formulas or take fewer states",
+    Self::LIMIT
+)]
+pub struct TooLarge {
+    /// Registers needed.
+    pub registers: usize,
+    /// Scalars needed.
+    pub scalars: usize,
+}
+
+impl TooLarge {
+    /// How many of each fit.
+    pub const LIMIT: usize = u16::MAX as usize;
+}
+
 /// Operation codes. Fused operations round as often, and in the same order, as the plain ones they stand for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Code {
@@ -91,8 +110,10 @@ impl Tape {
     /// Schedules `outputs`. `inputs` stand in registers 0, 1, ... before the first operation; a register that is the
     /// target of an output may be overwritten once its input is dead, the other inputs are left alone. Nodes that
     /// depend on nothing but constants, columns and starts become scalars.
-    #[must_use]
-    pub fn new(graph: &Graph, inputs: &[Id], outputs: &[Output]) -> Self {
+    ///
+    /// # Errors
+    /// If more registers or scalars are needed than an [`Argument`] can name.
+    pub fn new(graph: &Graph, inputs: &[Id], outputs: &[Output]) -> Result<Self, TooLarge> {
         let placed: HashMap<Id, usize> = inputs.iter().enumerate().map(|(r, id)| (*id, r)).collect();
         let uniform = |id: Id| graph.depends(id).is_uniform();
         let inside = |id: Id| !placed.contains_key(&id) && !uniform(id);
@@ -376,7 +397,7 @@ impl<'a, U: Fn(Id) -> bool> Assignment<'a, U> {
     }
 
     /// Copies what did not end in its own register.
-    fn finish(mut self, outputs: &[Output]) -> Tape {
+    fn finish(mut self, outputs: &[Output]) -> Result<Tape, TooLarge> {
         for output in outputs {
             let source = match self.saved.get(&output.id) {
                 Some(copy) if self.placed[&output.id] != output.register => Argument::Register(narrow(*copy)),
@@ -386,7 +407,12 @@ impl<'a, U: Fn(Id) -> bool> Assignment<'a, U> {
                 self.push(Code::Copy, output.register, &[source]);
             }
         }
-        Tape { operations: self.operations, registers: self.next, scalars: self.scalars }
+        let (registers, scalars) = (self.next, self.scalars.len());
+        // One number fewer for scalars: the last one is `Argument::NONE`.
+        if registers > TooLarge::LIMIT + 1 || scalars > TooLarge::LIMIT {
+            return Err(TooLarge { registers, scalars });
+        }
+        Ok(Tape { operations: self.operations, registers, scalars: self.scalars })
     }
 }
 
@@ -409,9 +435,9 @@ fn canonical(code: Code, mut arguments: Vec<Argument>) -> (Code, Vec<Argument>) 
     (code, arguments)
 }
 
-#[expect(clippy::expect_used, reason = "dimensions are bounded so that a step has far fewer than 65,535 live values")]
+/// The number in an operation. One that does not fit makes [`Assignment::finish`] refuse the whole tape.
 fn narrow(place: usize) -> u16 {
-    u16::try_from(place).expect("a tape has fewer than 65,536 registers")
+    u16::try_from(place).unwrap_or(u16::MAX)
 }
 
 #[cfg(test)]
@@ -423,7 +449,26 @@ mod tests {
 
     fn step(graph: &Graph, carried: &[Id], next: &[Id]) -> Tape {
         let outputs: Vec<Output> = next.iter().enumerate().map(|(register, id)| Output { id: *id, register }).collect();
-        Tape::new(graph, carried, &outputs)
+        Tape::new(graph, carried, &outputs).unwrap()
+    }
+
+    /// x plus `count` different numbers, none of which can be folded into another.
+    fn with_scalars(count: u32) -> Result<Tape, TooLarge> {
+        let mut g = Graph::default();
+        let x = g.leaf(Leaf::Carried(0));
+        let mut sum = x;
+        for column in 0..count {
+            let column = g.leaf(Leaf::Column(column));
+            sum = g.mul(sum, x);
+            sum = g.add(sum, column);
+        }
+        Tape::new(&g, &[x], &[Output { id: sum, register: 0 }])
+    }
+
+    #[test]
+    fn more_numbers_than_operations_can_name_are_an_error() {
+        assert_eq!(with_scalars(65_535).unwrap().scalars.len(), 65_535, "the limit itself fits");
+        assert_eq!(with_scalars(65_536), Err(TooLarge { registers: 2, scalars: 65_536 }));
     }
 
     #[test]

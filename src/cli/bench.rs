@@ -25,7 +25,7 @@ pub(super) struct Bench {
     workload: Option<Workload>,
 
     /// Candidates a run (default: 1024); more fill more lanes and threads.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = options::candidates)]
     n: Option<NonZeroUsize>,
 
     /// Use only the first rows of each trajectory (default: all), for programs too slow for the whole log.

@@ -22,9 +22,17 @@ pub(super) struct Compute {
 
 /// A number of threads that can be started in a moment: far more than cores gain nothing and take minutes.
 pub(super) fn threads(text: &str) -> Result<NonZeroUsize, String> {
-    const MOST: usize = 1024;
-    let threads = text.parse().ok().filter(|threads: &NonZeroUsize| threads.get() <= MOST);
-    threads.ok_or_else(|| format!("expected a whole number from 1 to {MOST}"))
+    up_to(1024, text)
+}
+
+/// A number of candidates a run: as many as a problem's `tune.population` may have.
+pub(super) fn candidates(text: &str) -> Result<NonZeroUsize, String> {
+    up_to(16_777_216, text)
+}
+
+fn up_to(most: usize, text: &str) -> Result<NonZeroUsize, String> {
+    let number = text.parse().ok().filter(|number: &NonZeroUsize| number.get() <= most);
+    number.ok_or_else(|| format!("expected a whole number from 1 to {most}"))
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -37,7 +37,11 @@ fn a_step_before_the_first_row_needs_an_interval() {
     for text in [IRREGULAR, ONE_ROW] {
         let log = log(&predict, text);
         for precision in [Precision::F64, Precision::F32] {
-            assert_eq!(refusal(&predict, &log, precision), Some(TraceError::NoFirstInterval), "{precision} on {text:?}");
+            assert_eq!(
+                refusal(&predict, &log, precision),
+                Some(TraceError::NoFirstInterval),
+                "{precision} on {text:?}"
+            );
         }
         let failure = reference::costs(&predict, &log, &[1.0]).unwrap_err();
         assert_eq!(failure.what, reference::Cause::NoFirstInterval, "the reference on {text:?}");

@@ -9,6 +9,7 @@ pub mod lanes;
 mod print;
 mod schedule;
 mod simplify;
+pub mod wgsl;
 
 pub use graph::{Binary, Calculator, Depends, Graph, Id, Leaf, Node, Unary};
 pub use print::{Counts, Names};

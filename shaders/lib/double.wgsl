@@ -33,3 +33,8 @@ fn mantissa(a: f64) -> f64 {
     if (b < 5.421010862427522e-20lf) { b = b * 1.8446744073709552e19lf; }
     return b;
 }
+
+// a where it is positive and finite, else 0.
+fn positive_part(a: f64) -> f64 {
+    return select(0.0lf, a, positive(a));
+}

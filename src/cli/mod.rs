@@ -1,9 +1,143 @@
-//! The command line: one file a verb.
+//! The command line: one file a verb. Results go to stdout, everything said to a person to stderr.
 
+mod bench;
+mod candidates;
+mod console;
+mod evaluate;
+mod files;
+mod filter;
+mod init;
+mod interrupt;
+mod load;
+mod options;
+mod overrides;
+mod paths;
+mod progress;
+mod results;
+mod simulate;
+mod tape;
+mod tune;
+
+use std::io::{self, ErrorKind};
 use std::process::ExitCode;
 
-/// Runs the command with the process's arguments; the exit code is 0 done, 1 not acceptable, 2 wrong use or input.
+use clap::{Parser, Subcommand};
+
+use console::Console;
+
+/// Tunes Kalman filters: searches a filter's noise parameters on a log of measurements, and says whether the
+/// tuned filter can be trusted.
+#[derive(Debug, Parser)]
+#[command(name = "kfgpu", version, propagate_version = true, max_term_width = 100, after_help = EXIT_CODES)]
+struct Cli {
+    #[command(subcommand)]
+    verb: Verb,
+
+    /// Say nothing on stderr but errors (default: summaries, warnings and, on a terminal, a progress bar), for scripts
+    /// that read only stdout.
+    #[arg(long, short, global = true, display_order = 900)]
+    quiet: bool,
+}
+
+const EXIT_CODES: &str = "Exit codes: 0 done; 1 ran, but the result is not usable; 2 wrong use or input; 130 stopped by \
+                          Ctrl-C, with the best so far written.";
+
+#[derive(Debug, Subcommand)]
+enum Verb {
+    Tune(tune::Tune),
+    Filter(filter::Filter),
+    Init(init::Init),
+    Tape(tape::Tape),
+    Simulate(simulate::Simulate),
+    Evaluate(evaluate::Evaluate),
+    Bench(bench::Bench),
+}
+
+/// How a verb ended, when not by an error.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Ending {
+    Done,
+    NotUsable,
+    Interrupted,
+}
+
+impl From<Ending> for ExitCode {
+    fn from(ending: Ending) -> Self {
+        Self::from(match ending {
+            Ending::Done => 0,
+            Ending::NotUsable => 1,
+            Ending::Interrupted => 130,
+        })
+    }
+}
+
+/// Runs the command with the process's arguments. Exit codes: 0 done, 1 ran but the result is not usable, 2 wrong use
+/// or input, 130 interrupted. A reader that closes our output early (`| head`) is no error.
 #[must_use]
 pub fn main() -> ExitCode {
-    ExitCode::from(2)
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(usage) => {
+            // Nobody is left to tell when even this cannot be printed.
+            let _ = usage.print();
+            return if usage.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS };
+        }
+    };
+    match cli.verb.run(Console::new(cli.quiet)) {
+        Ok(ending) => ending.into(),
+        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            console::error(&error);
+            ExitCode::from(2)
+        }
+    }
+}
+
+impl Verb {
+    fn run(&self, console: Console) -> anyhow::Result<Ending> {
+        match self {
+            Self::Tune(verb) => verb.run(console),
+            Self::Filter(verb) => verb.run(console),
+            Self::Init(verb) => verb.run(console),
+            Self::Tape(verb) => verb.run(console),
+            Self::Simulate(verb) => verb.run(console),
+            Self::Evaluate(verb) => verb.run(console),
+            Self::Bench(verb) => verb.run(console),
+        }
+    }
+}
+
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| cause.downcast_ref::<io::Error>().is_some_and(|e| e.kind() == ErrorKind::BrokenPipe))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory as _;
+
+    #[test]
+    fn the_argument_definitions_are_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn every_flag_says_what_it_does_and_its_default() {
+        for verb in Cli::command().get_subcommands() {
+            for flag in verb.get_arguments().filter(|a| !a.is_positional()) {
+                let help =
+                    flag.get_long_help().or_else(|| flag.get_help()).map(ToString::to_string).unwrap_or_default();
+                let says_default = help.contains("default") || !flag.get_default_values().is_empty();
+                assert!(says_default, "{} --{}: {help:?}", verb.get_name(), flag.get_id());
+            }
+        }
+    }
+
+    #[test]
+    fn a_broken_pipe_is_found_under_its_context() {
+        let pipe = anyhow::Error::from(io::Error::from(ErrorKind::BrokenPipe)).context("cannot write");
+        assert!(is_broken_pipe(&pipe), "{pipe:#}");
+        let full = anyhow::Error::from(io::Error::from(ErrorKind::StorageFull));
+        assert!(!is_broken_pipe(&full), "{full:#}");
+    }
 }

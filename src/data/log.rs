@@ -22,7 +22,7 @@ pub struct Log {
 pub struct Trajectory {
     /// The value of the trajectory column; empty when the log has none.
     pub id: String,
-    /// Time of each row [s]; 0, 1, 2, ... when the log has no time column.
+    /// Time of each row \[s\]; 0, 1, 2, ... when the log has no time column.
     pub time: Vec<f64>,
     /// Measurements, rows x m; NaN = missing.
     pub z: Table,
@@ -88,7 +88,7 @@ impl Trajectory {
         self.time.is_empty()
     }
 
-    /// Interval from row `k` to row `k + 1` [s]; `None` at the last row.
+    /// Interval from row `k` to row `k + 1` \[s\]; `None` at the last row.
     ///
     /// It is rounded to the last decimal that the trajectory's times can hold in f64, so that a log sampled every 0.1 s
     /// has one interval and not three that differ by rounding (from which kfgpu would compute one F and Q a row).
@@ -96,7 +96,8 @@ impl Trajectory {
     pub fn dt(&self, k: usize) -> Option<f64> {
         let difference = self.time.get(k + 1)? - self.time[k];
         let largest = self.time[0].abs().max(self.time[self.time.len() - 1].abs());
-        let unit = 10f64.powi((-(4.0 * f64::EPSILON * largest).log10()).floor().clamp(0.0, 15.0) as i32);
+        // Each time is off by half a place of the largest at most, so their difference by less than half a unit.
+        let unit = 10f64.powi((-(2.0 * f64::EPSILON * largest).log10()).floor().clamp(0.0, 22.0) as i32);
         let rounded = (difference * unit).round() / unit;
         Some(if rounded > 0.0 { rounded } else { difference })
     }
@@ -124,7 +125,7 @@ impl Log {
         self.trajectories.iter().map(Trajectory::len).sum()
     }
 
-    /// The one interval of the whole log [s], or `None` if intervals differ by more than one part in 1e9 or there are none.
+    /// The one interval of the whole log \[s\], or `None` if intervals differ by more than one part in 1e9 or there are none.
     #[must_use]
     pub fn regular_dt(&self) -> Option<f64> {
         let mut intervals = self.trajectories.iter().flat_map(|t| (0..t.len()).filter_map(|k| t.dt(k)));
@@ -157,5 +158,11 @@ mod tests {
         let mut t = every(0.1, 0.0, 3);
         t.time[2] = 0.2003;
         assert_eq!((t.dt(0), t.dt(1)), (Some(0.1), Some(0.1003)), "irregular is irregular");
+        let mut t = every(1e-2, 1.7e9, 3);
+        t.time[2] = 1.7e9 + 0.023_456;
+        assert_eq!(t.dt(1), Some(0.013_456), "microseconds of Unix time");
+        let mut t = every(1e-12, 0.0, 3);
+        t.time[2] = 2.345_678_9e-12;
+        assert_eq!(t.dt(1), Some(1.345_678_9e-12), "picoseconds");
     }
 }

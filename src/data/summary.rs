@@ -13,7 +13,7 @@ pub struct Summary {
     pub rows: usize,
     /// Number of trajectories.
     pub trajectories: usize,
-    /// First and last time of the log [s].
+    /// First and last time of the log \[s\].
     pub span: [f64; 2],
     /// Intervals between rows; `None` when no trajectory has two rows.
     pub dt: Option<Intervals>,
@@ -21,7 +21,7 @@ pub struct Summary {
     pub columns: Vec<ColumnSummary>,
 }
 
-/// Intervals between rows [s].
+/// Intervals between rows \[s\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[expect(missing_docs, reason = "the names say it")]
 pub struct Intervals {

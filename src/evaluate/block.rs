@@ -51,10 +51,11 @@ fn run_block<T: Lane, const C: usize, const B: usize>(rounded: &Rounded<T>, cand
         let mut sums = vec![Register::<f64, C, B>::splat(0.0); width];
         run_rows(rounded, span.rows.clone(), &mut registers, &mut sums);
         finish(program, &registers, &mut sums);
+        let failed = failures(program, &registers, &sums);
         for lane in 0..n {
             let at = (lane * program.spans.len() + t) * width;
             sums.iter().zip(&mut totals.sums[at..at + width]).for_each(|(s, to)| *to = s.lanes()[lane]);
-            if check(program, &registers).lanes()[lane] <= T::ZERO {
+            if failed.lanes()[lane] {
                 totals.status[lane] = totals.status[lane].union(Status::NOT_POSITIVE);
             }
         }
@@ -70,17 +71,18 @@ fn start<T: Lane, const C: usize, const B: usize>(
     registers: &mut [Register<T, C, B>],
 ) {
     let mut results = prologue[program.parameters..].iter();
-    let mut result = || results.next().map(|r| r.map(T::from_f64));
-    for (i, carried) in program.carried.iter().enumerate() {
-        registers[i] = match carried.role {
-            Role::State => result().unwrap_or(Register::splat(T::ZERO)),
-            Role::Sum => Register::splat(T::ZERO),
-            Role::Product | Role::Check => Register::splat(T::ONE),
-        };
+    let mut take = |register: &mut Register<T, C, B>| {
+        let Some(result) = results.next() else { return };
+        register.lanes_mut().iter_mut().zip(result.lanes()).for_each(|(to, from)| *to = T::from_f64(*from));
+    };
+    for (carried, register) in program.carried.iter().zip(&mut *registers) {
+        match carried.role {
+            Role::State => take(register),
+            Role::Sum => register.lanes_mut().fill(T::ZERO),
+            Role::Product | Role::Check => register.lanes_mut().fill(T::ONE),
+        }
     }
-    for register in &mut registers[program.carried.len()..][..program.invariants] {
-        *register = result().unwrap_or(Register::splat(T::ZERO));
-    }
+    registers[program.carried.len()..][..program.invariants].iter_mut().for_each(take);
 }
 
 /// The time loop. Sums are moved to f64 every [`Program::BLOCK`] rows, exponents of products every few.
@@ -95,16 +97,18 @@ fn run_rows<T: Lane, const C: usize, const B: usize>(
     let columns = program.columns;
     let mut scalars: Vec<T> = vec![T::ZERO; columns];
     scalars.extend_from_slice(constants);
+    let mut exponents = vec![Register::<T, C, B>::splat(T::ZERO); sums.len()];
     for (k, row) in rows.enumerate() {
         scalars[..columns].copy_from_slice(&record[row * columns..(row + 1) * columns]);
         run(&program.step.operations, registers, &scalars);
         if (k + 1) % T::STEPS_PER_SPLIT == 0 {
-            split_products(program, registers, sums);
+            split_products(program, registers, &mut exponents);
         }
         if (k + 1) % Program::BLOCK == 0 {
-            move_sums(program, registers, sums);
+            move_sums(program, registers, &mut exponents, sums);
         }
     }
+    move_sums(program, registers, &mut exponents, sums);
 }
 
 /// Slots with their register and role, in the order of [`Program::totals`].
@@ -113,66 +117,74 @@ fn slots(program: &Program) -> impl Iterator<Item = (usize, Role)> + '_ {
     carried.filter(|(_, c)| matches!(c.role, Role::Sum | Role::Product)).map(|(i, c)| (i, c.role))
 }
 
-/// Takes the exponents out of the running products: for these the total counts powers of two.
+/// Takes the exponents out of the running products. They are whole numbers, so their own running sums are exact.
 #[inline(always)]
 fn split_products<T: Lane, const C: usize, const B: usize>(
     program: &Program,
     registers: &mut [Register<T, C, B>],
-    sums: &mut [Register<f64, C, B>],
+    exponents: &mut [Register<T, C, B>],
 ) {
-    for ((i, role), sum) in slots(program).zip(sums) {
+    for ((i, role), exponents) in slots(program).zip(exponents) {
         if role != Role::Product {
             continue;
         }
-        for (product, sum) in registers[i].lanes_mut().iter_mut().zip(sum.lanes_mut()) {
+        for (product, sum) in registers[i].lanes_mut().iter_mut().zip(exponents.lanes_mut()) {
             let (mantissa, exponent) = product.split();
             *product = mantissa;
-            *sum += exponent.to_f64();
+            *sum = *sum + exponent;
         }
     }
 }
 
-/// Moves running sums to their f64 totals.
+/// Moves running sums, of products the exponents, to their f64 totals.
 #[inline(always)]
 fn move_sums<T: Lane, const C: usize, const B: usize>(
     program: &Program,
     registers: &mut [Register<T, C, B>],
+    exponents: &mut [Register<T, C, B>],
     sums: &mut [Register<f64, C, B>],
 ) {
-    for ((i, role), sum) in slots(program).zip(sums) {
-        if role != Role::Sum {
-            continue;
-        }
-        for (part, sum) in registers[i].lanes_mut().iter_mut().zip(sum.lanes_mut()) {
+    for (((i, role), exponents), sum) in slots(program).zip(exponents).zip(sums) {
+        let parts = if role == Role::Product { exponents } else { &mut registers[i] };
+        for (part, sum) in parts.lanes_mut().iter_mut().zip(sum.lanes_mut()) {
             *sum += part.to_f64();
             *part = T::ZERO;
         }
     }
 }
 
-/// The last totals: what is left in the registers, and ln of the products.
+/// The last totals: ln of the products.
 fn finish<T: Lane, const C: usize, const B: usize>(
     program: &Program,
     registers: &[Register<T, C, B>],
     sums: &mut [Register<f64, C, B>],
 ) {
     for ((i, role), sum) in slots(program).zip(sums) {
+        if role != Role::Product {
+            continue;
+        }
         for (rest, sum) in registers[i].lanes().iter().zip(sum.lanes_mut()) {
-            *sum = match role {
-                Role::Product => rest.to_f64().ln() + *sum * std::f64::consts::LN_2,
-                _ => *sum + rest.to_f64(),
-            };
+            *sum = rest.to_f64().ln() + *sum * std::f64::consts::LN_2;
         }
     }
 }
 
-/// The check register.
-fn check<'a, T: Lane, const C: usize, const B: usize>(
+/// Lanes in which an innovation variance was not positive: a product is 0 (its logarithm -inf), or the check is down.
+fn failures<T: Lane, const C: usize, const B: usize>(
     program: &Program,
-    registers: &'a [Register<T, C, B>],
-) -> &'a Register<T, C, B> {
-    let place = program.carried.iter().position(|c| c.role == Role::Check).unwrap_or(0);
-    &registers[place]
+    registers: &[Register<T, C, B>],
+    sums: &[Register<f64, C, B>],
+) -> Register<bool, C, B> {
+    let mut failed = Register::splat(false);
+    for ((_, role), sum) in slots(program).zip(sums) {
+        let lanes = failed.lanes_mut().iter_mut().zip(sum.lanes());
+        lanes.for_each(|(failed, sum)| *failed |= role == Role::Product && *sum == f64::NEG_INFINITY);
+    }
+    for (carried, register) in program.carried.iter().zip(registers) {
+        let lanes = failed.lanes_mut().iter_mut().zip(register.lanes());
+        lanes.for_each(|(failed, check)| *failed |= carried.role == Role::Check && *check <= T::ZERO);
+    }
+    failed
 }
 
 macro_rules! versions {
@@ -186,40 +198,51 @@ macro_rules! versions {
 }
 
 versions! {
+    f64_128: f64, 8 x 16;
     f64_64: f64, 8 x 8;
     f64_16: f64, 8 x 2;
     f64_8: f64, 8 x 1;
+    f32_256: f32, 16 x 16;
     f32_128: f32, 16 x 8;
     f32_16: f32, 16 x 1;
 }
 
 /// A lane type with its block sizes.
 pub(super) trait Blocks: Lane {
-    /// The widest block.
-    const WIDEST: usize;
-    /// Runs a block of at most [`Self::WIDEST`] candidates, in the narrowest that holds them.
+    /// Candidates of the widest block of a program: its registers should stay in a core's first cache (32 KiB or more).
+    fn widest(program: &Program) -> usize;
+    /// Runs a block of at most [`Self::widest`] candidates, in the narrowest that holds them.
     fn run(rounded: &Rounded<Self>, candidates: &[f64]) -> Totals;
 }
 
+/// Registers of 1 KiB that leave some of a 32 KiB cache to the rest.
+const WIDE_REGISTERS: usize = 28;
+
 impl Blocks for f64 {
-    const WIDEST: usize = 64;
+    fn widest(program: &Program) -> usize {
+        if program.step.registers <= WIDE_REGISTERS { 128 } else { 64 }
+    }
 
     fn run(rounded: &Rounded<Self>, candidates: &[f64]) -> Totals {
         match candidates.len() / rounded.program.parameters.max(1) {
             0..=8 => f64_8(rounded, candidates),
             9..=16 => f64_16(rounded, candidates),
-            _ => f64_64(rounded, candidates),
+            17..=64 => f64_64(rounded, candidates),
+            _ => f64_128(rounded, candidates),
         }
     }
 }
 
 impl Blocks for f32 {
-    const WIDEST: usize = 128;
+    fn widest(program: &Program) -> usize {
+        if program.step.registers <= WIDE_REGISTERS { 256 } else { 128 }
+    }
 
     fn run(rounded: &Rounded<Self>, candidates: &[f64]) -> Totals {
         match candidates.len() / rounded.program.parameters.max(1) {
             0..=16 => f32_16(rounded, candidates),
-            _ => f32_128(rounded, candidates),
+            17..=128 => f32_128(rounded, candidates),
+            _ => f32_256(rounded, candidates),
         }
     }
 }
@@ -236,4 +259,63 @@ pub(super) fn instruction_set() -> &'static str {
         }
     }
     std::env::consts::ARCH
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::simulate;
+    use crate::filter::trace;
+    use crate::model::Problem;
+    use crate::objective::{Kind, Objective};
+    use std::path::Path;
+
+    /// Candidates of (q, r) for two of the examples, with every objective and gaps in the log.
+    fn rounded<T: Lane>() -> Rounded<T> {
+        let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/matlab_plant.toml"));
+        let text = text.unwrap().replace("steps = 500", "steps = 90\nmissing = 0.2\ntrajectories = 2");
+        let problem = Problem::parse(&text, "plant.toml").unwrap();
+        let log = simulate(&problem, None).unwrap();
+        let objectives: Vec<Objective> = Kind::ALL.iter().map(|(_, kind)| Objective::new(*kind)).collect();
+        Rounded::new(trace(&problem, &log, &objectives, None).unwrap())
+    }
+
+    fn candidates(n: usize) -> Vec<f64> {
+        (0..2 * n).map(|i| 0.1 + 0.07 * f64::from(u32::try_from(i).unwrap())).collect()
+    }
+
+    fn bits(totals: &Totals) -> (Vec<u64>, &[Status]) {
+        (totals.sums.iter().map(|s| s.to_bits()).collect(), &totals.status)
+    }
+
+    /// The plain build of the same code is what the instruction set chosen at run time must equal, at every width.
+    #[test]
+    fn every_instruction_set_and_width_gives_the_same_bits() {
+        let (double, single) = (rounded::<f64>(), rounded::<f32>());
+        for n in [1, 7, 8, 9, 16, 17, 63, 64] {
+            let candidates = candidates(n);
+            let plain = run_block::<f64, 1, 64>(&double, &candidates);
+            assert_eq!(bits(&f64::run(&double, &candidates)), bits(&plain), "f64, {n} candidates");
+            assert_eq!(bits(&f64_128(&double, &candidates)), bits(&plain), "f64, {n} candidates in the widest block");
+            let plain = run_block::<f32, 1, 64>(&single, &candidates);
+            assert_eq!(bits(&f32::run(&single, &candidates)), bits(&plain), "f32, {n} candidates");
+            assert_eq!(bits(&f32_256(&single, &candidates)), bits(&plain), "f32, {n} candidates in the widest block");
+        }
+    }
+
+    /// What a block leaves in its registers must not reach the next trajectory or block.
+    #[test]
+    fn a_failed_candidate_leaves_its_neighbours_alone() {
+        let rounded = rounded::<f64>();
+        let mut candidates = candidates(16);
+        let good = f64::run(&rounded, &candidates);
+        candidates[10..12].copy_from_slice(&[f64::NAN, -5.0]);
+        let mixed = f64::run(&rounded, &candidates);
+        let width = rounded.program.spans.len() * rounded.program.totals();
+        for i in 0..16 {
+            let same = bits(&good).0[i * width..(i + 1) * width] == bits(&mixed).0[i * width..(i + 1) * width];
+            assert_eq!(same, i != 5, "candidate {i}");
+            assert_eq!(mixed.status[i].is_ok(), i != 5, "status of candidate {i}");
+        }
+    }
 }

@@ -3,7 +3,7 @@
 use super::block::{Blocks, Rounded, Totals, instruction_set};
 use super::{Device, Evaluation, Evaluator, Population, Precision, Status};
 use crate::data::Log;
-use crate::filter::{Entry, Nominal, Program, TraceError, trace};
+use crate::filter::{Entry, Form, Nominal, Program, Role, TraceError, trace, trace_as};
 use crate::model::Problem;
 use crate::objective::Objective;
 use crate::tape::lanes::run_one;
@@ -75,11 +75,25 @@ impl CpuEvaluator {
         objectives: &[Objective],
         options: CpuOptions,
     ) -> Result<Self, BuildError> {
+        Self::with_form(problem, log, objectives, options, None)
+    }
+
+    /// An evaluator that carries the covariance in a given form, to compare forms.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_form(
+        problem: &Problem,
+        log: &Log,
+        objectives: &[Objective],
+        options: CpuOptions,
+        form: Option<Form>,
+    ) -> Result<Self, BuildError> {
         let nominal = match options.precision {
             Precision::F64 => None,
             Precision::F32 => Some(nominal(problem, log)?),
         };
-        Ok(Self::of_program(trace(problem, log, objectives, nominal)?, options))
+        Ok(Self::of_program(trace_as(problem, log, objectives, nominal, form)?, options))
     }
 
     /// An evaluator that runs a traced program.
@@ -102,10 +116,10 @@ impl CpuEvaluator {
     }
 
     /// Candidates of the widest block.
-    const fn widest(&self) -> usize {
-        match self.machine {
-            Machine::F32(_) => f32::WIDEST,
-            Machine::F64(_) => f64::WIDEST,
+    fn widest(&self) -> usize {
+        match &self.machine {
+            Machine::F32(rounded) => f32::widest(&rounded.program),
+            Machine::F64(rounded) => f64::widest(&rounded.program),
         }
     }
 
@@ -203,9 +217,11 @@ pub(super) fn nominal(problem: &Problem, log: &Log) -> Result<Nominal, TraceErro
         let mut registers = candidate.clone();
         run_one(&program.prologue, &mut registers, &span.scalars);
         let mut results = registers[program.parameters..].to_vec();
-        let invariants = results.split_off(program.carried.len() - 1);
-        // The check stands between the carried states and the invariants.
-        let mut registers: Vec<f64> = results.into_iter().chain([1.0]).chain(invariants).collect();
+        let carried = program.carried.iter().filter(|c| c.role == Role::State).count();
+        let invariants = results.split_off(carried);
+        // The check, where there is one, stands between the carried states and the invariants.
+        let checks = program.carried[carried..].iter().map(|_| 1.0);
+        let mut registers: Vec<f64> = results.into_iter().chain(checks).chain(invariants).collect();
         for row in span.rows.clone() {
             states.extend(program.entries[..n].iter().map(|entry| match entry {
                 Entry::Constant(value) => *value,

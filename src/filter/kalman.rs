@@ -3,6 +3,8 @@
 #![expect(non_snake_case, reason = "Kalman notation: F, H, Q, R, P, S, K")]
 
 use super::columns::{Columns, Place, Rows};
+use super::covariance::{Covariance, Scalar};
+use super::form::Form;
 use super::formula::{self, Scope};
 use super::nominal::Nominal;
 use super::symmetric::Symmetric;
@@ -65,6 +67,16 @@ struct Affine {
     offset: Vec<Id>,
 }
 
+/// A linear map around the nominal. Its offset is `fixed + moved`, kept apart because `fixed` may be hundreds of
+/// kilometres: it must meet what it cancels (z) in f64, before single precision adds a candidate's own share.
+struct Local {
+    jacobian: Vec<Vec<Id>>,
+    /// The same for every candidate.
+    fixed: Vec<Id>,
+    /// What the candidate's parameters change; 0 where they do not stand in the formula.
+    moved: Vec<Id>,
+}
+
 /// Everything that tracing a filter needs.
 pub(super) struct Tracer<'a> {
     pub(super) g: Graph,
@@ -85,24 +97,30 @@ impl Tracer<'_> {
         let present = (0..m).map(|i| self.column(|place| f64::from(u8::from(place.present(i))))).collect();
         let f = self.linear(&model.f, &inputs, dt, ("f", &model.states))?;
         let h = self.linear(&model.h, &inputs, dt, ("h", &model.measurements))?;
-        let z = z.iter().zip(&h.offset).map(|(z, offset)| self.g.sub(*z, *offset)).collect();
+        let (mut innovations, mut drift) = (Vec::with_capacity(m), Vec::with_capacity(f.fixed.len()));
+        for (z, (fixed, moved)) in z.iter().zip(h.fixed.iter().zip(&h.moved)) {
+            let z = self.g.sub(*z, *fixed);
+            innovations.push(self.g.sub(z, *moved));
+        }
+        for (fixed, moved) in f.fixed.iter().zip(&f.moved) {
+            drift.push(self.g.add(*fixed, *moved));
+        }
         let parameters = formula::parameters(&mut self.g, &self.problem.parameters, None);
         let scope = Scope { states: &[], parameters: &parameters, inputs: &inputs, dt };
         let (Q, R) = (self.covariance(&model.q, scope), self.covariance(&model.r, scope));
-        Ok(Recursion { F: f.jacobian, H: h.jacobian, Q, R, drift: f.offset, z, present })
+        Ok(Recursion { F: f.jacobian, H: h.jacobian, Q, R, drift, z: innovations, present })
     }
 
-    /// H and h(0) of the baseline, for a start from a measurement.
-    pub(super) fn measurement_map(&mut self) -> Result<(Vec<Vec<Id>>, Vec<Id>), TraceError> {
+    /// H and h(0) of a candidate, at every row.
+    pub(super) fn measurement_map(&mut self, candidate: &[f64]) -> Result<(Vec<Vec<Id>>, Vec<Id>), TraceError> {
         let model = &self.problem.model;
         let (inputs, dt) = self.inputs();
-        let baseline = self.problem.parameters.baseline();
-        let h = self.affine(&model.h, Some(&baseline), &inputs, dt, ("h", &model.measurements))?;
+        let h = self.affine(&model.h, Some(candidate), &inputs, dt, ("h", &model.measurements))?;
         Ok((h.jacobian, h.offset))
     }
 
     /// Inputs and dt of every row. What follows the last row is never used: dt repeats there and inputs may be 0.
-    fn inputs(&mut self) -> (Vec<Id>, Id) {
+    pub(super) fn inputs(&mut self) -> (Vec<Id>, Id) {
         let dt = self.column(|place| place.dt());
         let inputs = (0..self.problem.model.inputs.len())
             .map(|i| self.column(|place| zero_if_missing(place.trajectory.u.row(place.k)[i])))
@@ -128,7 +146,7 @@ impl Tracer<'_> {
     }
 
     /// x0 and P0 at the first row, in deviation from the nominal if there is one.
-    pub(super) fn start(&mut self) -> Result<(Vec<Id>, Symmetric), TraceError> {
+    pub(super) fn start(&mut self, form: Form) -> Result<(Vec<Id>, Covariance), TraceError> {
         let model = &self.problem.model;
         let n = model.states.len();
         let parameters = formula::parameters(&mut self.g, &self.problem.parameters, None);
@@ -138,7 +156,8 @@ impl Tracer<'_> {
             Start::Values(values) => values.iter().map(|v| formula::trace(&mut self.g, v, scope)).collect(),
             Start::Measurement => (0..n).map(|i| self.g.leaf(Leaf::Start(narrow(i)))).collect(),
         };
-        let mut P = self.covariance(&model.p0, scope);
+        let P = self.covariance(&model.p0, scope);
+        let mut P = Covariance::new(&mut self.g, form, P);
         if let First::Predict { dt } = model.first {
             let dt = dt.or_else(|| self.rows.log.regular_dt()).unwrap_or(1.0);
             let step = self.first_step(dt)?;
@@ -153,45 +172,51 @@ impl Tracer<'_> {
         Ok((x, P))
     }
 
-    fn covariance(&mut self, entries: &[Expr], scope: Scope<'_>) -> Symmetric {
+    pub(super) fn covariance(&mut self, entries: &[Expr], scope: Scope<'_>) -> Symmetric {
         let n = entries.len().isqrt();
         Symmetric::from_fn(n, |i, j| formula::trace(&mut self.g, &entries[i * n + j], scope))
     }
 
-    /// f or h around the nominal: its Jacobian, and what is to be added to (f) or taken from z (h).
+    /// f or h around the nominal: its Jacobian, and what is to be added to F x (f) or taken from z (h).
     fn linear(
         &mut self,
         formulas: &[Expr],
         inputs: &[Id],
         dt: Id,
         what: (&'static str, &[String]),
-    ) -> Result<Affine, TraceError> {
+    ) -> Result<Local, TraceError> {
         let theta = self.affine(formulas, None, inputs, dt, what)?;
-        let Some(nominal) = self.nominal else { return Ok(theta) };
+        let Some(nominal) = self.nominal else {
+            let moved = vec![self.g.constant(0.0); formulas.len()];
+            return Ok(Local { jacobian: theta.jacobian, fixed: theta.offset, moved });
+        };
         let at = self.affine(formulas, Some(&nominal.candidate), inputs, dt, what)?;
         let n = self.problem.model.states.len();
         let x: Vec<Id> = (0..n).map(|i| self.columns.node(&mut self.g, nominal.at(i))).collect();
-        let mut offset = Vec::with_capacity(formulas.len());
+        let mut local = Local { jacobian: vec![], fixed: vec![], moved: vec![] };
         for i in 0..formulas.len() {
             // f_theta0(x_nom) is the same for every candidate and is taken in f64, once; what theta changes is added:
             // [F_theta - F_theta0] x_nom + c_theta - c_theta0, which vanishes where theta does not stand in the formula.
             let fixed = self.g.dot(at.jacobian[i].iter().copied().zip(x.iter().copied()));
-            let mut value = self.g.add(fixed, at.offset[i]);
+            let mut fixed = self.g.add(fixed, at.offset[i]);
             if what.0 == "f" {
                 let next = self.columns.node(&mut self.g, nominal.next(i, self.rows));
-                value = self.g.sub(value, next);
-            }
-            for (j, x) in x.iter().enumerate() {
-                let change = self.g.sub(theta.jacobian[i][j], at.jacobian[i][j]);
-                self.require_invariant(change, what, i)?;
-                let moved = self.g.mul(change, *x);
-                value = self.g.add(value, moved);
+                fixed = self.g.sub(fixed, next);
             }
             let change = self.g.sub(theta.offset[i], at.offset[i]);
             self.require_invariant(change, what, i)?;
-            offset.push(self.g.add(value, change));
+            let mut moved = change;
+            for (j, x) in x.iter().enumerate() {
+                let change = self.g.sub(theta.jacobian[i][j], at.jacobian[i][j]);
+                self.require_invariant(change, what, i)?;
+                let share = self.g.mul(change, *x);
+                moved = self.g.add(moved, share);
+            }
+            local.fixed.push(fixed);
+            local.moved.push(moved);
         }
-        Ok(Affine { jacobian: theta.jacobian, offset })
+        local.jacobian = theta.jacobian;
+        Ok(local)
     }
 
     fn require_invariant(&self, change: Id, what: (&'static str, &[String]), i: usize) -> Result<(), TraceError> {
@@ -232,25 +257,18 @@ impl Tracer<'_> {
 
 impl Recursion {
     /// x <- F x + drift, P <- F P F' + Q.
-    pub(super) fn predict(&self, g: &mut Graph, x: &[Id], P: &Symmetric) -> (Vec<Id>, Symmetric) {
-        let n = x.len();
-        let mut next = Vec::with_capacity(n);
+    pub(super) fn predict(&self, g: &mut Graph, x: &[Id], P: &Covariance) -> (Vec<Id>, Covariance) {
+        let mut next = Vec::with_capacity(x.len());
         for (row, drift) in self.F.iter().zip(&self.drift) {
             let moved = g.dot(row.iter().copied().zip(x.iter().copied()));
             next.push(g.add(moved, *drift));
         }
-        let FP: Vec<Vec<Id>> =
-            (0..n).map(|i| (0..n).map(|j| g.dot((0..n).map(|k| (self.F[i][k], P.at(k, j))))).collect()).collect();
-        let P = Symmetric::from_fn(n, |i, j| {
-            let propagated = g.dot((0..n).map(|k| (self.F[j][k], FP[i][k])));
-            g.add(propagated, self.Q.at(i, j))
-        });
-        (next, P)
+        (next, P.propagate(g, &self.F, &self.Q))
     }
 
     /// The measurement update. R = L D L' decorrelates the components (L unit, so the likelihood needs no Jacobian);
     /// with a missing component its row of H, its innovation and its row of R are 0 and its variance is 1.
-    pub(super) fn update(&self, g: &mut Graph, x: &[Id], P: &Symmetric) -> (Update, Vec<Id>, Symmetric) {
+    pub(super) fn update(&self, g: &mut Graph, x: &[Id], P: &Covariance) -> (Update, Vec<Id>, Covariance) {
         let (n, m) = (x.len(), self.H.len());
         let zero = g.constant(0.0);
         let correlated = Symmetric::places(m).any(|(i, j)| i != j && !g.is(self.R.at(i, j), 0.0));
@@ -260,28 +278,24 @@ impl Recursion {
                 g.sub(self.z[i], predicted)
             })
             .collect();
-        let S_diagonal = (0..m).map(|i| self.joint_variance(g, P, i)).collect();
+        let S_diagonal = (0..m).map(|i| P.variance(g, &self.H[i], self.R.at(i, i))).collect();
         let mut update = Update { nu, S_diagonal, pivots: vec![], nis: vec![] };
         let (rows, D, gates) = if correlated { self.decorrelate(g, &update.nu) } else { self.diagonal(&update.nu) };
         let (mut dx, mut P) = (vec![zero; n], P.clone());
         for ((H, nu), (D, gate)) in rows.iter().zip(D.iter().zip(&gates)) {
             let moved = g.dot(H.iter().copied().zip(dx.iter().copied()));
             let innovation = g.sub(*nu, moved);
-            let scalar = Scalar { H, innovation, D: *D, gate: *gate };
-            let (pivot, nis) = scalar.apply(g, &mut dx, &mut P);
-            update.pivots.push(pivot);
-            update.nis.push(nis);
+            let gain = P.update(g, &Scalar { H, D: *D, gate: *gate });
+            for (dx, K) in dx.iter_mut().zip(&gain.K) {
+                let moved = g.mul(*K, innovation);
+                *dx = g.add(*dx, moved);
+            }
+            let square = g.mul(innovation, innovation);
+            update.pivots.push(gain.S);
+            update.nis.push(g.mul(square, gain.inverse));
         }
         let x = x.iter().zip(&dx).map(|(x, dx)| g.add(*x, *dx)).collect();
         (update, x, P)
-    }
-
-    /// S_ii = H_i P H_i' + R_ii.
-    fn joint_variance(&self, g: &mut Graph, P: &Symmetric, i: usize) -> Id {
-        let n = P.n();
-        let PH: Vec<Id> = (0..n).map(|a| g.dot((0..n).map(|b| (self.H[i][b], P.at(a, b))))).collect();
-        let variance = g.dot(self.H[i].iter().copied().zip(PH));
-        g.add(variance, self.R.at(i, i))
     }
 
     /// Uncorrelated components as they are: (H, nu), D = R, gated by their presence.
@@ -302,7 +316,7 @@ impl Recursion {
             let absent = g.sub(one, self.present[i]);
             g.add(entry, absent)
         });
-        let (L, D) = masked.ldl(g);
+        let (L, D) = masked.ldl_semidefinite(g);
         let mut rows: Decorrelated = Vec::with_capacity(m);
         for i in 0..m {
             let mut H: Vec<Id> = self.H[i].iter().map(|h| g.mul(self.present[i], *h)).collect();
@@ -323,54 +337,6 @@ impl Recursion {
 
 /// Rows of (H, innovation).
 type Decorrelated = Vec<(Vec<Id>, Id)>;
-
-/// One scalar measurement.
-struct Scalar<'a> {
-    H: &'a [Id],
-    innovation: Id,
-    D: Id,
-    gate: Id,
-}
-
-impl Scalar<'_> {
-    /// Updates dx and P; returns the innovation variance and the normalised squared innovation (0 when gated off).
-    fn apply(&self, g: &mut Graph, dx: &mut [Id], P: &mut Symmetric) -> (Id, Id) {
-        let n = dx.len();
-        let PH: Vec<Id> = (0..n).map(|a| g.dot((0..n).map(|b| (self.H[b], P.at(a, b))))).collect();
-        let variance = g.dot(self.H.iter().copied().zip(PH.iter().copied()));
-        let S = g.add(variance, self.D);
-        let inverse = g.div(self.gate, S);
-        let K: Vec<Id> = PH.iter().map(|ph| g.mul(*ph, inverse)).collect();
-        for (dx, K) in dx.iter_mut().zip(&K) {
-            let moved = g.mul(*K, self.innovation);
-            *dx = g.add(*dx, moved);
-        }
-        let seen = self.only_state(g);
-        let shrink = seen.map(|_| {
-            let one = g.constant(1.0);
-            let ratio = g.mul(self.D, inverse);
-            g.select(self.gate, ratio, one)
-        });
-        let prior = P.clone();
-        *P = Symmetric::from_fn(n, |i, j| match (seen, shrink) {
-            // Where H sees one state j alone, P_ij - K_i H_j P_jj = P_ij D / S: no cancellation under a diffuse prior.
-            (Some(s), Some(shrink)) if i == s || j == s => g.mul(prior.at(i, j), shrink),
-            _ => {
-                let part = g.mul(K[i], PH[j]);
-                g.sub(prior.at(i, j), part)
-            }
-        });
-        let square = g.mul(self.innovation, self.innovation);
-        (S, g.mul(square, inverse))
-    }
-
-    /// The only state with a non-zero entry of H.
-    fn only_state(&self, g: &Graph) -> Option<usize> {
-        let mut seen = (0..self.H.len()).filter(|i| !g.is(self.H[*i], 0.0));
-        let first = seen.next()?;
-        seen.next().is_none().then_some(first)
-    }
-}
 
 const fn zero_if_missing(value: f64) -> f64 {
     if value.is_nan() { 0.0 } else { value }

@@ -2,6 +2,9 @@
 
 mod carry;
 mod columns;
+mod covariance;
+mod factored;
+mod form;
 mod formula;
 mod kalman;
 mod nominal;
@@ -12,8 +15,9 @@ mod trace;
 
 pub use carry::Entry;
 pub(crate) use columns::Place;
+pub use form::Form;
 pub use kalman::TraceError;
 pub use nominal::Nominal;
 pub use program::{Carried, Program, Role, Span};
 pub(crate) use scoring::{Pools, Scoring, Traced};
-pub use trace::trace;
+pub use trace::{trace, trace_as};

@@ -1,6 +1,7 @@
 //! A traced filter over a log, ready to run: the prologue, the step, and the record they read.
 
 use super::carry::Entry;
+use super::form::Form;
 use super::nominal::Nominal;
 use super::scoring::{Pools, Traced};
 use crate::objective::Objective;
@@ -11,20 +12,21 @@ use std::ops::Range;
 /// What becomes of a carried register.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
-    /// An entry of x or P: starts from the prologue, stays.
+    /// An entry of x or of the covariance: starts from the prologue, stays.
     State,
     /// A running sum: starts at 0, is moved to an f64 total every [`Program::BLOCK`] rows.
     Sum,
-    /// A running product: starts at 1, its exponent is taken out every few rows; the total is its logarithm.
+    /// A running product: starts at 1, its exponent is taken out every few rows; the total is its logarithm. It stays 0
+    /// once a factor was not positive.
     Product,
-    /// 1 as long as every innovation variance was positive, -1 after one was not.
+    /// 1 as long as the innovation variances that no product watches over were positive, -1 after one was not.
     Check,
 }
 
 /// A register carried from row to row.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Carried {
-    /// `x.d`, `P.d.v`, `sum0`, ...
+    /// `x.d`, `P.d.v` (or `U.d.v`, `D.d`), `sum0`, ...
     pub name: String,
     /// What becomes of it.
     pub role: Role,
@@ -45,6 +47,8 @@ pub struct Span {
 /// and the step runs once a row. Carried registers come first, then invariants, then temporaries.
 #[derive(Debug, Clone)]
 pub struct Program {
+    /// The form of the covariance that is carried.
+    pub form: Form,
     /// Once a trajectory, in f64: searched parameters in registers 0.., results behind them: states, then invariants.
     pub prologue: Tape,
     /// Number of searched parameters.
@@ -67,7 +71,7 @@ pub struct Program {
     pub spans: Vec<Span>,
     /// The nominal, in the deviation form.
     pub nominal: Option<Nominal>,
-    /// Entries of the predicted x, then of the upper triangle of the predicted P.
+    /// Entries of the predicted x, then of the predicted covariance: the upper triangle of P, or D with U above it.
     pub entries: Vec<Entry>,
     pub(super) names: Vec<String>,
     pub(super) parameter_names: Vec<String>,
@@ -107,13 +111,14 @@ impl Program {
 
 impl Display for Program {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Self { parameters, invariants, columns, .. } = self;
+        let Self { form, parameters, invariants, columns, .. } = self;
         let rows: usize = self.spans.iter().map(|s| s.rows.len()).sum();
         writeln!(
             f,
             "# {rows} rows, {columns} columns a row, {parameters} searched parameters, {} carried, {invariants} invariants",
             self.carried.len()
         )?;
+        writeln!(f, "# carries x and {form}")?;
         writeln!(f, "# prologue, once a trajectory in f64: {}", self.prologue.counts())?;
         let names: Vec<String> = self
             .parameter_names

@@ -1,10 +1,10 @@
 //! What objectives see of a filter while it is traced, and of its sums when it has run.
 
 use super::columns::{Columns, Place, Rows};
+use super::covariance::Covariance;
 use super::kalman::Update;
 use super::nominal::Nominal;
 use super::program::Role;
-use super::symmetric::Symmetric;
 use crate::model::Problem;
 use crate::tape::{Graph, Id, Unary};
 
@@ -17,8 +17,10 @@ pub(crate) struct Scoring<'a> {
     pub(super) nominal: Option<&'a Nominal>,
     pub(super) update: &'a Update,
     pub(super) x: &'a [Id],
-    pub(super) p: &'a Symmetric,
+    pub(super) p: &'a Covariance,
     pub(super) sums: &'a mut Vec<(Role, Id)>,
+    /// What a candidate fails without.
+    pub(super) positive: &'a mut Vec<Id>,
 }
 
 /// The sums of one objective: which slots of the program, and over how much they run.
@@ -131,35 +133,35 @@ impl Scoring<'_> {
         self.g.unary(Unary::Sqrt, a)
     }
 
-    /// Normalised squared posterior error e' P^-1 e of all states, by P = L D L'.
-    pub(crate) fn normalised_error(&mut self) -> Id {
-        let n = self.states();
-        let (l, d) = self.p.ldl(self.g);
-        let mut sum = self.g.constant(0.0);
-        let mut solved: Vec<Id> = Vec::with_capacity(n);
-        for i in 0..n {
-            let mut e = self.error(i);
-            for j in 0..i {
-                let part = self.g.mul(l[i][j], solved[j]);
-                e = self.g.sub(e, part);
-            }
-            solved.push(e);
-            let square = self.g.mul(e, e);
-            let term = self.g.div(square, d[i]);
-            sum = self.g.add(sum, term);
+    /// Normalised squared posterior error e' P^-1 e of all states where `gate` is positive, else 0. There P must be positive
+    /// definite.
+    pub(crate) fn normalised_error(&mut self, gate: Id) -> Id {
+        let errors: Vec<Id> = (0..self.states()).map(|i| self.error(i)).collect();
+        let (square, pivots) = self.p.normalised_square(self.g, &errors);
+        let (zero, one) = (self.g.constant(0.0), self.g.constant(1.0));
+        for pivot in pivots {
+            let positive = self.g.select(gate, pivot, one);
+            self.positive.push(positive);
         }
-        sum
+        self.g.select(gate, square, zero)
     }
 
     /// Adds `weight * value` up over the rows of a trajectory; the slot of the sum.
     pub(crate) fn sum(&mut self, value: Id, weight: Id) -> usize {
         let value = self.g.mul(value, weight);
+        self.total_of(value)
+    }
+
+    /// Adds `value` up over the rows of a trajectory; the slot of the sum.
+    pub(crate) fn total_of(&mut self, value: Id) -> usize {
         self.slot(Role::Sum, value)
     }
 
-    /// Multiplies `value` up over the rows where `gate` is positive; the slot holds the logarithm of the product.
+    /// Multiplies `value` up over the rows where `gate` is positive; the slot holds the logarithm of the product, which
+    /// stays 0 once a factor was not positive.
     pub(crate) fn log_product(&mut self, value: Id, gate: Id) -> usize {
         let one = self.g.constant(1.0);
+        let value = self.g.unary(Unary::Positive, value);
         let factor = self.g.select(gate, value, one);
         self.slot(Role::Product, factor)
     }

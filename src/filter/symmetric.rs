@@ -1,6 +1,6 @@
 //! Symmetric matrices of graph nodes: only the upper triangle exists, so symmetry cannot be lost.
 
-use crate::tape::{Graph, Id};
+use crate::tape::{Graph, Id, Unary};
 
 /// A symmetric n x n matrix of nodes, upper triangle by rows.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -36,8 +36,23 @@ impl Symmetric {
         self.n
     }
 
-    /// Factors A = L D L', L unit lower triangular: (rows of L, D). Structural zeros stay zeros.
+    /// Factors A = L D L', L unit lower triangular: (rows of L, D). Structural zeros stay zeros. A must be definite.
     pub(super) fn ldl(&self, g: &mut Graph) -> (Vec<Vec<Id>>, Vec<Id>) {
+        self.ldl_over(g, |_, pivot| pivot)
+    }
+
+    /// The same for a semidefinite A: below a pivot of 0 everything is 0, and so is its column of L.
+    pub(super) fn ldl_semidefinite(&self, g: &mut Graph) -> (Vec<Vec<Id>>, Vec<Id>) {
+        /// Far below any covariance, and normal in f32; what is not 0 over it makes a later pivot hugely negative.
+        const TINY: f64 = 1e-30;
+        self.ldl_over(g, |g, pivot| {
+            let (size, tiny) = (g.unary(Unary::Abs, pivot), g.constant(TINY));
+            g.select(size, pivot, tiny)
+        })
+    }
+
+    /// With what `divisor` makes of a pivot in its place as a divisor.
+    fn ldl_over(&self, g: &mut Graph, divisor: impl Fn(&mut Graph, Id) -> Id) -> (Vec<Vec<Id>>, Vec<Id>) {
         let n = self.n;
         let (zero, one) = (g.constant(0.0), g.constant(1.0));
         let mut l = vec![vec![zero; n]; n];
@@ -52,7 +67,8 @@ impl Symmetric {
                     let product = g.mul(l[i][k], scaled);
                     rest = g.sub(rest, product);
                 }
-                l[i][j] = g.div(rest, d[j]);
+                let pivot = divisor(g, d[j]);
+                l[i][j] = g.div(rest, pivot);
             }
             let mut pivot = self.at(i, i);
             for j in 0..i {
@@ -95,6 +111,18 @@ mod tests {
                 assert!((value - values[i][j]).abs() < 1e-15, "({i}, {j}): {value}");
             }
         }
+    }
+
+    #[test]
+    fn ldl_of_a_singular_matrix_is_finite() {
+        let mut g = Graph::default();
+        let values = [[0.0, 0.0, 0.0], [0.0, 3.0, 0.6], [0.0, 0.6, 2.0]];
+        let a = Symmetric::from_fn(3, |i, j| g.constant(values[i][j]));
+        let (l, d) = a.ldl_semidefinite(&mut g);
+        for zero in [l[1][0], l[2][0], d[0]] {
+            assert!(g.is(zero, 0.0), "nothing stands below a zero pivot");
+        }
+        assert!(g.is(l[2][1], 0.6 / 3.0), "and the rest is factored as ever");
     }
 
     #[test]

@@ -2,20 +2,22 @@
 
 use super::carry::Partition;
 use super::columns::{Columns, Rows};
+use super::covariance::Covariance;
+use super::form::Form;
 use super::kalman::{TraceError, Tracer, narrow};
 use super::nominal::Nominal;
 use super::program::{Carried, Program, Role, Span};
 use super::scoring::{Scoring, Traced};
-use super::symmetric::Symmetric;
 use crate::data::Log;
 use crate::model::{Problem, Start};
 use crate::objective::Objective;
-use crate::tape::{Calculator, Graph, Id, Leaf, Output, Tape};
+use crate::tape::{Calculator, Graph, Id, Leaf, Output, Tape, Unary};
 use nalgebra::{DMatrix, DVector};
 
 /// Traces the filter of `problem` over `log` for some objectives.
 ///
-/// With `nominal` the deviation form is traced, which single precision needs.
+/// With `nominal` the deviation form is traced, which single precision needs; the covariance is then carried in the
+/// [`Form`] that P0 and R call for, and without one in full.
 ///
 /// # Errors
 /// If f or h is not affine in the states, or the deviation form cannot express a searched parameter.
@@ -25,16 +27,32 @@ pub fn trace(
     objectives: &[Objective],
     nominal: Option<Nominal>,
 ) -> Result<Program, TraceError> {
+    trace_as(problem, log, objectives, nominal, None)
+}
+
+/// [`trace`] with a given form of the covariance.
+///
+/// # Errors
+/// As [`trace`].
+pub fn trace_as(
+    problem: &Problem,
+    log: &Log,
+    objectives: &[Objective],
+    nominal: Option<Nominal>,
+    form: Option<Form>,
+) -> Result<Program, TraceError> {
     let rows = Rows::new(problem, log);
     let mut columns = Columns::default();
-    let mut partition = None;
+    let (mut form, mut partition) = (form, None);
     loop {
         let g = Graph::default();
         let mut tracer = Tracer { g, columns: &mut columns, rows: &rows, problem, nominal: nominal.as_ref() };
-        let (x, p) = tracer.start()?;
-        let initial: Vec<Id> = x.iter().chain(p.upper()).copied().collect();
+        let chosen = form.map_or_else(|| Form::choose(&mut tracer), Ok)?;
+        form = Some(chosen);
+        let (x, p) = tracer.start(chosen)?;
+        let initial: Vec<Id> = x.into_iter().chain(p.entries()).collect();
         let current = partition.unwrap_or_else(|| Partition::by_initial(&tracer.g, &initial));
-        let step = Step::trace(&mut tracer, &current, objectives)?;
+        let step = Step::trace(&mut tracer, chosen, &current, objectives)?;
         if let Some(refined) = current.refine(&tracer.g, &step.next) {
             partition = Some(refined);
             continue;
@@ -47,23 +65,28 @@ pub fn trace(
 
 /// One traced step, not yet scheduled.
 struct Step {
-    /// Entries of x and P after the step.
+    form: Form,
+    /// Entries of x and of the covariance after the step.
     next: Vec<Id>,
     sums: Vec<(Role, Id)>,
-    pivots: Vec<Id>,
+    /// What a candidate fails without, unless a product watches over it.
+    positive: Vec<Id>,
     traced: Vec<Traced>,
 }
 
 impl Step {
-    fn trace(tracer: &mut Tracer<'_>, partition: &Partition, objectives: &[Objective]) -> Result<Self, TraceError> {
+    fn trace(
+        tracer: &mut Tracer<'_>,
+        form: Form,
+        partition: &Partition,
+        objectives: &[Objective],
+    ) -> Result<Self, TraceError> {
         let n = tracer.problem.model.states.len();
         let recursion = tracer.recursion()?;
         let entries = partition.nodes(&mut tracer.g);
-        let mut upper = entries[n..].iter().copied();
-        let zero = tracer.g.constant(0.0);
-        let p = Symmetric::from_fn(n, |_, _| upper.next().unwrap_or(zero));
+        let p = Covariance::from_entries(&mut tracer.g, form, n, &entries[n..]);
         let (update, x, p) = recursion.update(&mut tracer.g, &entries[..n], &p);
-        let mut sums = Vec::new();
+        let (mut sums, mut positive) = (Vec::new(), update.pivots.clone());
         let mut scoring = Scoring {
             g: &mut tracer.g,
             columns: tracer.columns,
@@ -74,11 +97,16 @@ impl Step {
             x: &x,
             p: &p,
             sums: &mut sums,
+            positive: &mut positive,
         };
         let traced = objectives.iter().map(|o| o.trace(&mut scoring)).collect();
+        positive.retain(|value| {
+            let factor = tracer.g.unary(Unary::Positive, *value);
+            !sums.contains(&(Role::Product, factor))
+        });
         let (x, p) = recursion.predict(&mut tracer.g, &x, &p);
-        let next = x.iter().chain(p.upper()).copied().collect();
-        Ok(Self { next, sums, pivots: update.pivots, traced })
+        let next = x.into_iter().chain(p.entries()).collect();
+        Ok(Self { form, next, sums, positive, traced })
     }
 
     /// Schedules the prologue and the step, and fills the record.
@@ -110,6 +138,7 @@ impl Step {
         let varies = representatives.iter().map(|e| !tracer.g.depends(initial[*e]).is_uniform()).collect();
         let spans = spans.into_iter().zip(scalars).map(|(rows, scalars)| Span { rows, scalars }).collect();
         Ok(Program {
+            form: self.form,
             prologue,
             parameters: tracer.problem.parameters.dimension(),
             step,
@@ -132,15 +161,16 @@ impl Step {
     fn carried(&self, problem: &Problem, representatives: &[usize]) -> Vec<Carried> {
         let states = &problem.model.states;
         let x = states.iter().map(|s| format!("x.{s}"));
-        let p = Symmetric::places(states.len()).map(|(i, j)| format!("P.{}.{}", states[i], states[j]));
-        let names: Vec<String> = x.chain(p).collect();
+        let names: Vec<String> = x.chain(Covariance::names(self.form, states)).collect();
         let mut carried: Vec<Carried> =
             representatives.iter().map(|e| Carried { name: names[*e].clone(), role: Role::State }).collect();
         for (i, (role, _)) in self.sums.iter().enumerate() {
             let name = if *role == Role::Product { format!("product{i}") } else { format!("sum{i}") };
             carried.push(Carried { name, role: *role });
         }
-        carried.push(Carried { name: "check".to_owned(), role: Role::Check });
+        if !self.positive.is_empty() {
+            carried.push(Carried { name: "check".to_owned(), role: Role::Check });
+        }
         carried
     }
 
@@ -150,9 +180,10 @@ impl Step {
         for ((role, value), leaf) in self.sums.iter().zip(leaves) {
             next.push(if *role == Role::Product { g.mul(*leaf, *value) } else { g.add(*leaf, *value) });
         }
-        let failed = g.constant(-1.0);
-        let check = leaves.last().copied().unwrap_or(failed);
-        next.push(self.pivots.iter().fold(check, |check, pivot| g.select(*pivot, check, failed)));
+        if let Some(check) = leaves.get(self.sums.len()) {
+            let failed = g.constant(-1.0);
+            next.push(self.positive.iter().fold(*check, |check, value| g.select(*value, check, failed)));
+        }
         next
     }
 }
@@ -228,7 +259,12 @@ fn start_values(tracer: &mut Tracer<'_>, t: usize, row: usize) -> Result<Vec<f64
 /// x = pinv(H) (z - h(0)) at the first used row; unmeasured directions are 0.
 fn measured_start(tracer: &mut Tracer<'_>, t: usize, row: usize) -> Result<Vec<f64>, TraceError> {
     let (n, m) = (tracer.problem.model.states.len(), tracer.problem.model.measurements.len());
-    let (jacobian, offset) = tracer.measurement_map()?;
+    let trajectory = &tracer.rows.log.trajectories[t];
+    let Some(z) = (tracer.rows.first[t] < trajectory.len()).then(|| trajectory.z.row(tracer.rows.first[t])) else {
+        return Ok(vec![f64::NAN; n]);
+    };
+    let baseline = tracer.problem.parameters.baseline();
+    let (jacobian, offset) = tracer.measurement_map(&baseline)?;
     let ids: Vec<Id> = jacobian.into_iter().flatten().chain(offset).collect();
     let mut calculator = Calculator::new(&tracer.g, &ids);
     let values: Vec<f64> = calculator
@@ -237,13 +273,67 @@ fn measured_start(tracer: &mut Tracer<'_>, t: usize, row: usize) -> Result<Vec<f
             _ => f64::NAN,
         })
         .collect();
-    let trajectory = &tracer.rows.log.trajectories[t];
-    let Some(z) = (tracer.rows.first[t] < trajectory.len()).then(|| trajectory.z.row(tracer.rows.first[t])) else {
-        return Ok(vec![f64::NAN; n]);
-    };
     let h = DMatrix::from_row_slice(m, n, &values[..m * n]);
     let residual = DVector::from_iterator(m, z.iter().zip(&values[m * n..]).map(|(z, offset)| z - offset));
     // The singular values of a measurement matrix are far from the rounding error that this bound stands for.
-    let inverse = h.pseudo_inverse(1e-12).unwrap_or_else(|_| DMatrix::zeros(n, m));
+    let rounding = 1e-12 * h.norm();
+    let inverse = h.pseudo_inverse(rounding).unwrap_or_else(|_| DMatrix::zeros(n, m));
     Ok((inverse * residual).as_slice().to_vec())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::{Table, Trajectory};
+    use crate::evaluate::{CpuEvaluator, CpuOptions, Evaluator, Population};
+    use crate::reference;
+
+    fn log(trajectories: &[&[[f64; 2]]]) -> Log {
+        let trajectory = |rows: &&[[f64; 2]]| {
+            let (mut z, mut u, mut truth) = (Table::new(1), Table::new(1), Table::new(0));
+            for row in *rows {
+                z.push(&row[..1]);
+                u.push(&row[1..]);
+                truth.push(&[]);
+            }
+            let time = (0u32..).take(rows.len()).map(f64::from).collect();
+            Trajectory { id: String::new(), line: vec![2; rows.len()], time, z, u, truth }
+        };
+        Log {
+            source: "start.csv".to_owned(),
+            measurements: vec!["z".to_owned()],
+            inputs: vec!["u".to_owned()],
+            truth: vec![],
+            trajectories: trajectories.iter().map(trajectory).collect(),
+        }
+    }
+
+    fn problem(h: &str, r: &str) -> Problem {
+        let text = format!(
+            "[data]\nfile = \"none.csv\"\nmeasurements = [\"z\"]\ninputs = [\"u\"]\n[model]\nstate = [\"x\"]\nf = [\"x\"]\n\
+             h = [\"{h}\"]\nQ = [0.1]\nR = [\"{r}\"]\nx0 = \"measurement\"\nP0 = [4]\n[parameters]\n\
+             r = {{ min = 0.1, max = 9, start = 1 }}\n"
+        );
+        Problem::parse(&text, "start.toml").unwrap()
+    }
+
+    fn assert_equal(problem: &Problem, log: &Log) {
+        let mut lanes = CpuEvaluator::new(problem, log, CpuOptions::default()).unwrap();
+        let found = lanes.evaluate(&Population::from_rows(1, vec![2.0])).costs(0)[0];
+        let expected = reference::costs(problem, log, &[2.0]).unwrap()[0];
+        assert!((found - expected).abs() <= 1e-10 * expected.abs(), "found {found}, the reference says {expected}");
+    }
+
+    #[test]
+    fn a_last_trajectory_without_a_measurement_to_start_from_has_no_rows() {
+        let measured = [[f64::NAN, 0.5], [3.0, 0.25], [2.0, 0.0]];
+        let never = [[f64::NAN, 0.5], [f64::NAN, 0.25]];
+        assert_equal(&problem("x + u", "r"), &log(&[&measured, &never]));
+    }
+
+    #[test]
+    fn a_start_from_a_measurement_does_not_depend_on_units() {
+        let rows = [[3e-14, 0.0], [2e-14, 0.0], [4e-14, 0.0]];
+        assert_equal(&problem("x * 1e-14", "r * 1e-28"), &log(&[&rows]));
+    }
 }

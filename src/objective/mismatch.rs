@@ -23,7 +23,12 @@ pub(super) fn trace(objective: &Objective, scoring: &mut Scoring<'_>) -> Traced 
     }
     // Ca is a mean over the window; Ct over the same rows or over one.
     let counts = scoring.counts(|place| f64::from(u8::from(place.components() > 0 && inside.contains(place))));
-    let counts = counts.into_iter().map(|rows| if objective.ct_last { rows.min(1.0) / rows } else { 1.0 }).collect();
+    let scale = |rows: f64| match rows {
+        0.0 => f64::NAN,
+        _ if objective.ct_last => 1.0 / rows,
+        _ => 1.0,
+    };
+    let counts = counts.into_iter().map(scale).collect();
     Traced { slots, counts }
 }
 
@@ -34,7 +39,7 @@ pub(super) fn finish(pools: &Pools<'_>) -> f64 {
     for (t, scale) in pools.counts().iter().enumerate() {
         let actual: f64 = (0..m).map(|j| pools.of(t, j)).sum();
         let theory: f64 = (m..2 * m).map(|j| pools.of(t, j)).sum();
-        if !scale.is_nan() && theory.abs() > 0.0 {
+        if !scale.is_nan() {
             sum += (actual * scale / theory - 1.0).abs();
             trajectories += 1.0;
         }

@@ -5,6 +5,9 @@ mod likelihood;
 mod mismatch;
 mod truth;
 
+#[cfg(test)]
+mod tests;
+
 use crate::filter::{Pools, Scoring, Traced};
 
 /// What a filter run is scored by.

@@ -43,9 +43,9 @@ pub(super) fn trace_distance(objective: &Objective, scoring: &mut Scoring<'_>) -
     with_truth(objective, scoring, &compared(objective, scoring), true)
 }
 
-/// The sum over rows.
+/// The sum over rows; NaN over none, which is not a distance of 0.
 pub(super) fn finish_distance(pools: &Pools<'_>) -> f64 {
-    pools.total(0)
+    if pools.count() > 0.0 { pools.total(0) } else { f64::NAN }
 }
 
 /// `nees`: e' P^-1 e where the truth of all states is known; counts are rows x n.
@@ -55,8 +55,9 @@ pub(super) fn trace_nees(objective: &Objective, scoring: &mut Scoring<'_>) -> Tr
     let weight = scoring.weight(|place| known(place, &columns, skip));
     let n = super::innovation::count(states.len());
     let counts = scoring.counts(|place| n * known(place, &columns, skip));
-    let value = scoring.normalised_error();
-    Traced { slots: vec![scoring.sum(value, weight)], counts }
+    // Not weight * value: where the truth is unknown P may be singular, and 0 times infinity is no number.
+    let value = scoring.normalised_error(weight);
+    Traced { slots: vec![scoring.total_of(value)], counts }
 }
 
 /// |sum NEES / (n x rows) - 1|.

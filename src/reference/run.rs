@@ -55,17 +55,47 @@ pub fn run(problem: &Problem, log: &Log, candidate: &[f64]) -> Result<Run, Failu
     let truth = Truth::of(problem, log);
     let mut trajectories = vec![Vec::new(); log.trajectories.len()];
     walk(problem, log, candidate, &mut |moment| {
-        let trajectory = &log.trajectories[moment.trajectory];
-        trajectories[moment.trajectory].push(Step {
-            row: moment.row,
-            time: trajectory.time[moment.row],
-            prior: moment.prior.clone(),
-            update: moment.update.cloned(),
-            posterior: moment.posterior.clone(),
-            nees: truth.nees(trajectory, moment.row, moment.posterior),
-        });
+        trajectories[moment.trajectory].push(moment.step(log, &truth));
     })?;
     Ok(Run { trajectories })
+}
+
+/// As [`run`], but keeps no row: each goes to `visit`, with the index of its trajectory. Gives the problem's objectives.
+///
+/// # Errors
+/// As [`run`]; the rows before the failure have been visited.
+///
+/// # Panics
+/// As [`run`].
+pub fn visit(
+    problem: &Problem,
+    log: &Log,
+    candidate: &[f64],
+    visit: &mut impl FnMut(usize, &Step),
+) -> Result<Vec<f64>, Failure> {
+    let truth = Truth::of(problem, log);
+    let mut scorer = Scorer::new(&truth, &problem.tune.objectives);
+    walk(problem, log, candidate, &mut |moment| {
+        let step = moment.step(log, &truth);
+        let place = (&log.trajectories[moment.trajectory], moment.row);
+        scorer.row(moment.trajectory, place, &moment.posterior.x, moment.update, || step.nees);
+        visit(moment.trajectory, &step);
+    })?;
+    Ok(scorer.costs())
+}
+
+impl Moment<'_> {
+    fn step(&self, log: &Log, truth: &Truth) -> Step {
+        let trajectory = &log.trajectories[self.trajectory];
+        Step {
+            row: self.row,
+            time: trajectory.time[self.row],
+            prior: self.prior.clone(),
+            update: self.update.cloned(),
+            posterior: self.posterior.clone(),
+            nees: truth.nees(trajectory, self.row, self.posterior),
+        }
+    }
 }
 
 /// The problem's objectives for a candidate: [`run`] and [`super::score`] in one pass that keeps no rows.
@@ -134,8 +164,8 @@ fn walk_trajectory(
     }
     while *row < trajectory.len() {
         let k = *row;
-        if k > 0 {
-            filter.predict(trajectory.time[k] - trajectory.time[k - 1], trajectory.u.row(k - 1))?;
+        if let Some(dt) = k.checked_sub(1).and_then(|before| trajectory.dt(before)) {
+            filter.predict(dt, trajectory.u.row(k - 1))?;
         }
         let updated = filter.update(trajectory.z.row(k), trajectory.u.row(k))?;
         visit(k, filter, updated);

@@ -5,6 +5,7 @@
 //! another, which is when the innovations are correlated and a parameter runs to its bound.
 
 mod band;
+mod evidence;
 mod verdict;
 mod whiteness;
 
@@ -14,14 +15,12 @@ use serde::Serialize;
 
 use crate::data::Log;
 use crate::model::Problem;
-use crate::reference::{Run, Step};
+use crate::reference::Run;
+use crate::report::short;
 
-use band::Band;
+pub use evidence::Evidence;
 pub use verdict::{Finding, Verdict};
 pub use whiteness::Whiteness;
-
-/// Measured rows of each trajectory after which P0 and x0 are taken to be forgotten.
-const SETTLING: usize = 20;
 
 /// The consistency of one filter run. Means are per degree of freedom: 1 is ideal, NaN (JSON `null`) is no data.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -64,24 +63,11 @@ impl Consistency {
     /// Judges the run of `candidate` (searched parameters in their own units) over `log`.
     #[must_use]
     pub fn of(problem: &Problem, log: &Log, candidate: &[f64], run: &Run) -> Self {
-        let (sum, components) = run.nis_sum(0);
-        let nis = Band::of(sum, whiteness::number(components));
-        let mut consistency = Self {
-            nis_mean: nis.mean,
-            nis_low: nis.low,
-            nis_high: nis.high,
-            nis_settled: nis_settled(run),
-            components,
-            verdict: Verdict::NothingMeasured,
-            findings: Vec::new(),
-            whiteness: Whiteness::of(log, run),
-            nees: Nees::of(problem.model.states.len(), run),
-        };
-        consistency.findings = verdict::findings(&consistency, &problem.parameters, candidate);
-        if let Some(headline) = consistency.findings.first() {
-            consistency.verdict = headline.verdict;
+        let mut evidence = Evidence::new(problem, log);
+        for (trajectory, steps) in run.trajectories.iter().enumerate() {
+            steps.iter().for_each(|step| evidence.add(trajectory, step));
         }
-        consistency
+        evidence.judge(problem, candidate)
     }
 
     /// Whether nothing is wrong.
@@ -91,31 +77,17 @@ impl Consistency {
     }
 }
 
-fn nis_settled(run: &Run) -> f64 {
-    let updates = |steps| <[Step]>::iter(steps).filter_map(|s| s.update.as_ref()).skip(SETTLING);
-    let later = run.trajectories.iter().flat_map(|steps| updates(steps));
-    let (sum, components) = later.fold((0.0, 0), |(sum, count), u| (sum + u.nis, count + u.present.len()));
-    sum / whiteness::number(components)
-}
-
-impl Nees {
-    fn of(states: usize, run: &Run) -> Option<Self> {
-        let (sum, rows) = run.nees_sum(0);
-        let band = Band::of(sum, whiteness::number(rows * states));
-        let nees = Self { nees_mean: band.mean, nees_low: band.low, nees_high: band.high, rows };
-        (rows > 0).then_some(nees)
-    }
-}
-
 impl fmt::Display for Consistency {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", self.verdict)?;
-        let Self { nis_mean, nis_low, nis_high, components, .. } = self;
-        writeln!(f, "  NIS   {nis_mean:.3}  (95 % band {nis_low:.3}..{nis_high:.3}, {components} components)")?;
+        let Self { nis_low, nis_high, components, .. } = self;
+        let nis_mean = short(self.nis_mean, 4);
+        writeln!(f, "  NIS   {nis_mean}  (95 % band {nis_low:.3}..{nis_high:.3}, {components} components)")?;
         if let Some(Nees { nees_mean, nees_low, nees_high, rows }) = self.nees {
+            let nees_mean = short(nees_mean, 4);
             writeln!(
                 f,
-                "  NEES  {nees_mean:.3}  (95 % band of independent rows {nees_low:.3}..{nees_high:.3}, {rows} rows)"
+                "  NEES  {nees_mean}  (95 % band of independent rows {nees_low:.3}..{nees_high:.3}, {rows} rows)"
             )?;
         }
         for w in &self.whiteness {

@@ -144,20 +144,40 @@ pub fn run(
     interrupt: &AtomicBool,
 ) -> Result<Outcome, StudyError> {
     let tune = study.tune;
-    if study.parameters.dimension() == 0 {
-        return Err(StudyError::NothingSearched);
-    }
-    let coordinates = Coordinates::new(study.parameters, tune.include_start);
     let settings = Settings {
         population: tune.population,
         generations: tune.generations,
         seed: tune.seed,
         objectives: evaluator.objectives(),
     };
-    let mut optimizer = optimize::build(&tune.algorithm, &coordinates.space(), &settings)?;
+    if study.parameters.dimension() == 0 {
+        return Err(StudyError::NothingSearched);
+    }
+    let space = Coordinates::new(study.parameters, tune.include_start).space();
+    let mut optimizer = optimize::build(&tune.algorithm, &space, &settings)?;
+    run_with(study, optimizer.as_mut(), evaluator, judge, observers, interrupt)
+}
+
+/// As [`run`], with an optimiser of the caller's own in place of the one that `study.tune.algorithm` names. It moves in
+/// the [`Coordinates`] of the study, and ends the search by its own count of generations.
+///
+/// # Errors
+/// As [`run`], but for those of building an optimiser.
+pub fn run_with(
+    study: &Study<'_>,
+    optimizer: &mut dyn Optimizer,
+    evaluator: &mut dyn Evaluator,
+    judge: Judge<'_>,
+    observers: &mut [&mut dyn Observer],
+    interrupt: &AtomicBool,
+) -> Result<Outcome, StudyError> {
+    let tune = study.tune;
+    if study.parameters.dimension() == 0 {
+        return Err(StudyError::NothingSearched);
+    }
+    let coordinates = Coordinates::new(study.parameters, tune.include_start);
     let mut record = Record::new();
-    let mut search =
-        Search { tune, coordinates: &coordinates, optimizer: optimizer.as_mut(), evaluator, record: &mut record };
+    let mut search = Search { tune, coordinates: &coordinates, optimizer, evaluator, record: &mut record };
     let ended = search.run(observers, interrupt)?;
     let candidate = study.parameters.baseline();
     let baseline = Baseline { objectives: finish::ask_oracle(judge.oracle, &candidate), candidate };

@@ -69,6 +69,10 @@ impl Graph {
                 let minus = self.neg(da);
                 self.select(a, da, minus)
             }
+            Unary::Positive => {
+                let zero = self.constant(0.0);
+                self.select(a, da, zero)
+            }
         }
     }
 
@@ -142,6 +146,7 @@ mod tests {
             Unary::Tan,
             Unary::Atan,
             Unary::Abs,
+            Unary::Positive,
         ] {
             let product = g.mul(x, y);
             cases.push(g.unary(op, product));

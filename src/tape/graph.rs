@@ -62,6 +62,8 @@ pub enum Unary {
     Tan,
     Atan,
     Abs,
+    /// a where a > 0, else (and for NaN) 0.
+    Positive,
 }
 
 /// Operations of two operands.
@@ -92,6 +94,13 @@ impl Unary {
             Self::Tan => a.tan(),
             Self::Atan => a.atan(),
             Self::Abs => a.abs(),
+            Self::Positive => {
+                if a > 0.0 {
+                    a
+                } else {
+                    0.0
+                }
+            }
         }
     }
 }

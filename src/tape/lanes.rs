@@ -25,8 +25,8 @@ pub trait Lane:
     const ZERO: Self;
     /// 1.
     const ONE: Self;
-    /// Steps after which a running product must be [split](Self::split), so that factors from 1e-19 to 1e19 (f32) or
-    /// 1e-38 to 1e38 (f64) cannot overflow it.
+    /// Steps after which a running product must be [split](Self::split), so that factors from 2e-19 to 1e19 (f32) or
+    /// 1e-38 to 1e38 (f64) cannot overflow or underflow it.
     const STEPS_PER_SPLIT: usize;
 
     /// Rounded once.
@@ -37,7 +37,8 @@ pub trait Lane:
     fn unary(self, op: Unary) -> Self;
     /// The operations that are rarely needed: min, max, atan2, power.
     fn rare(self, op: Binary, other: Self) -> Self;
-    /// A positive normal number as a mantissa in [1, 2) and a power of two; anything that is not finite becomes NaN.
+    /// A positive normal number as a mantissa in [1, 2) and a power of two. 0 keeps the mantissa 0 (a product that has met
+    /// a factor that is not positive stays 0), and what is not finite becomes NaN.
     fn split(self) -> (Self, Self);
 }
 
@@ -70,6 +71,13 @@ macro_rules! lane {
                     Unary::Tan => self.tan(),
                     Unary::Atan => self.atan(),
                     Unary::Abs => self.abs(),
+                    Unary::Positive => {
+                        if self > 0.0 {
+                            self
+                        } else {
+                            0.0
+                        }
+                    }
                 }
             }
 
@@ -95,6 +103,7 @@ macro_rules! lane {
                 let exponent = ((bits & EXPONENT) >> $mantissa_bits) as i32 - $bias;
                 let mantissa = Self::from_bits(bits & !EXPONENT | ONE);
                 let mantissa = if bits & EXPONENT == EXPONENT { Self::NAN } else { mantissa };
+                let mantissa = if bits & EXPONENT == 0 { 0.0 } else { mantissa };
                 (mantissa, exponent as Self)
             }
         }
@@ -127,12 +136,6 @@ impl<T: Copy, const C: usize, const B: usize> Register<T, C, B> {
     pub const fn lanes_mut(&mut self) -> &mut [T] {
         self.0.as_flattened_mut()
     }
-
-    /// Every lane through `f`.
-    #[inline(always)]
-    pub fn map<U>(self, f: impl Fn(T) -> U) -> Register<U, C, B> {
-        Register(self.0.map(|chunk| chunk.map(&f)))
-    }
 }
 
 /// Runs `tape` once.
@@ -158,124 +161,94 @@ pub fn run_one(tape: &Tape, registers: &mut Vec<f64>, scalars: &[f64]) {
     *registers = wide.into_iter().map(|r| r.0[0][0]).collect();
 }
 
+/// `r[to] = f(registers, scalars)`, chunk by chunk. Every operand of a chunk is loaded before its result is stored, and each
+/// has a name of its own: arrays of operands would be transposed in memory instead of staying in vector registers.
+macro_rules! chunks {
+    ($r:ident[$to:ident], [$($register:ident),*], $s:ident[$($scalar:ident),*], $f:expr) => {{
+        $(let $scalar = $s[$scalar as usize];)*
+        for k in 0..B {
+            $(let $register = $r[$register as usize].0[k];)*
+            $r[$to].0[k] = from_fn(|_lane| {
+                $(let $register = $register[_lane];)*
+                $f
+            });
+        }
+    }};
+}
+
 #[inline(always)]
 fn execute<T: Lane, const C: usize, const B: usize>(op: &Operation, r: &mut [Register<T, C, B>], s: &[T]) {
     use Argument::{Register as R, Scalar as S};
+    use Binary::{Add, Divide, Multiply, Subtract};
     let to = op.register as usize;
-    let [a, b, c] = op.arguments;
-    match (op.code, a, b, c) {
-        (Code::Binary(Binary::Add), R(a), R(b), _) => two(r, to, a, b, |a, b| a + b),
-        (Code::Binary(Binary::Add), R(a), S(b), _) => one(r, to, a, s[b as usize], |a, b| a + b),
-        (Code::Binary(Binary::Subtract), R(a), R(b), _) => two(r, to, a, b, |a, b| a - b),
-        (Code::Binary(Binary::Subtract), R(a), S(b), _) => one(r, to, a, s[b as usize], |a, b| a - b),
-        (Code::Binary(Binary::Subtract), S(a), R(b), _) => one(r, to, b, s[a as usize], |b, a| a - b),
-        (Code::Binary(Binary::Multiply), R(a), R(b), _) => two(r, to, a, b, |a, b| a * b),
-        (Code::Binary(Binary::Multiply), R(a), S(b), _) => one(r, to, a, s[b as usize], |a, b| a * b),
-        (Code::Binary(Binary::Divide), R(a), R(b), _) => two(r, to, a, b, |a, b| a / b),
-        (Code::Binary(Binary::Divide), S(a), R(b), _) => one(r, to, b, s[a as usize], |b, a| a / b),
-        (Code::MultiplyAdd, R(a), R(b), R(c)) => three(r, to, [a, b, c], |a, b, c| a * b + c),
-        (Code::MultiplyAdd, R(a), S(b), R(c)) => two_one(r, to, a, c, s[b as usize], |a, c, b| a * b + c),
-        (Code::MultiplyAdd, R(a), R(b), S(c)) => two_one(r, to, a, b, s[c as usize], |a, b, c| a * b + c),
-        (Code::MultiplySubtract, R(a), R(b), R(c)) => three(r, to, [a, b, c], |a, b, c| a * b - c),
-        (Code::MultiplySubtract, R(a), S(b), R(c)) => two_one(r, to, a, c, s[b as usize], |a, c, b| a * b - c),
-        (Code::SubtractProduct, R(a), R(b), R(c)) => three(r, to, [a, b, c], |a, b, c| c - a * b),
-        (Code::SubtractProduct, R(a), S(b), R(c)) => two_one(r, to, a, c, s[b as usize], |a, c, b| c - a * b),
-        (Code::SubtractProduct, R(a), R(b), S(c)) => two_one(r, to, a, b, s[c as usize], |a, b, c| c - a * b),
-        (Code::Select, S(a), R(b), S(c)) => {
-            let (otherwise, then) = (s[c as usize], s[a as usize] > T::ZERO);
-            one(r, to, b, otherwise, |b, otherwise| if then { b } else { otherwise });
-        }
-        (Code::Select, R(a), R(b), S(c)) => {
-            two_one(r, to, a, b, s[c as usize], |a, b, c| if a > T::ZERO { b } else { c });
-        }
+    match (op.code, op.arguments) {
+        (Code::Copy, [R(a), ..]) => chunks!(r[to], [a], s[], a),
+        (Code::Copy, [S(a), ..]) => chunks!(r[to], [], s[a], a),
+        (Code::Unary(Unary::Negate), [R(a), ..]) => chunks!(r[to], [a], s[], -a),
+        (Code::Unary(Unary::Positive), [R(a), ..]) => chunks!(r[to], [a], s[], positive(a)),
+        (Code::Unary(Unary::Abs), [R(a), ..]) => chunks!(r[to], [a], s[], a.unary(Unary::Abs)),
+        (Code::Unary(Unary::Sqrt), [R(a), ..]) => chunks!(r[to], [a], s[], a.unary(Unary::Sqrt)),
+        (Code::Binary(Add), [R(a), R(b), ..]) => chunks!(r[to], [a, b], s[], a + b),
+        (Code::Binary(Add), [R(a), S(b), ..]) => chunks!(r[to], [a], s[b], a + b),
+        (Code::Binary(Subtract), [R(a), R(b), ..]) => chunks!(r[to], [a, b], s[], a - b),
+        (Code::Binary(Subtract), [R(a), S(b), ..]) => chunks!(r[to], [a], s[b], a - b),
+        (Code::Binary(Subtract), [S(a), R(b), ..]) => chunks!(r[to], [b], s[a], a - b),
+        (Code::Binary(Multiply), [R(a), R(b), ..]) => chunks!(r[to], [a, b], s[], a * b),
+        (Code::Binary(Multiply), [R(a), S(b), ..]) => chunks!(r[to], [a], s[b], a * b),
+        (Code::Binary(Divide), [R(a), R(b), ..]) => chunks!(r[to], [a, b], s[], a / b),
+        (Code::Binary(Divide), [R(a), S(b), ..]) => chunks!(r[to], [a], s[b], a / b),
+        (Code::Binary(Divide), [S(a), R(b), ..]) => chunks!(r[to], [b], s[a], a / b),
+        (Code::MultiplyAdd, [R(a), R(b), R(c), ..]) => chunks!(r[to], [a, b, c], s[], a * b + c),
+        (Code::MultiplyAdd, [R(a), S(b), R(c), ..]) => chunks!(r[to], [a, c], s[b], a * b + c),
+        (Code::MultiplyAdd, [R(a), R(b), S(c), ..]) => chunks!(r[to], [a, b], s[c], a * b + c),
+        (Code::MultiplyAdd, [R(a), S(b), S(c), ..]) => chunks!(r[to], [a], s[b, c], a * b + c),
+        (Code::MultiplySubtract, [R(a), R(b), R(c), ..]) => chunks!(r[to], [a, b, c], s[], a * b - c),
+        (Code::MultiplySubtract, [R(a), S(b), R(c), ..]) => chunks!(r[to], [a, c], s[b], a * b - c),
+        (Code::SubtractProduct, [R(a), R(b), R(c), ..]) => chunks!(r[to], [a, b, c], s[], c - a * b),
+        (Code::SubtractProduct, [R(a), S(b), R(c), ..]) => chunks!(r[to], [a, c], s[b], c - a * b),
+        (Code::SubtractProduct, [R(a), R(b), S(c), ..]) => chunks!(r[to], [a, b], s[c], c - a * b),
+        (Code::Dot, [R(a), R(b), R(c), R(d), _]) => chunks!(r[to], [a, b, c, d], s[], a * b + c * d),
+        (Code::Dot, [R(a), R(b), R(c), S(d), _]) => chunks!(r[to], [a, b, c], s[d], a * b + c * d),
+        (Code::Dot, [R(a), S(b), R(c), R(d), _]) => chunks!(r[to], [a, c, d], s[b], a * b + c * d),
+        (Code::Dot, [R(a), S(b), R(c), S(d), _]) => chunks!(r[to], [a, c], s[b, d], a * b + c * d),
+        (Code::DotAdd, [R(a), R(b), R(c), R(d), R(e)]) => chunks!(r[to], [a, b, c, d, e], s[], (a * b + e) + c * d),
+        (Code::DotAdd, [R(a), R(b), R(c), S(d), R(e)]) => chunks!(r[to], [a, b, c, e], s[d], (a * b + e) + c * d),
+        (Code::DotAdd, [R(a), S(b), R(c), R(d), R(e)]) => chunks!(r[to], [a, c, d, e], s[b], (a * b + e) + c * d),
+        (Code::DotAdd, [R(a), S(b), R(c), S(d), R(e)]) => chunks!(r[to], [a, c, e], s[b, d], (a * b + e) + c * d),
+        (Code::MultiplyPositive, [R(a), R(b), ..]) => chunks!(r[to], [a, b], s[], a * positive(b)),
+        (Code::Select, [S(a), R(b), S(c), ..]) => chunks!(r[to], [b], s[a, c], if a > T::ZERO { b } else { c }),
+        (Code::Select, [R(a), R(b), S(c), ..]) => chunks!(r[to], [a, b], s[c], if a > T::ZERO { b } else { c }),
+        (Code::Select, [R(a), S(b), S(c), ..]) => chunks!(r[to], [a], s[b, c], if a > T::ZERO { b } else { c }),
         _ => general(op, r, s),
     }
 }
 
-/// `to = f(a, scalar)`.
 #[inline(always)]
-fn one<T: Lane, const C: usize, const B: usize>(
-    r: &mut [Register<T, C, B>],
-    to: usize,
-    a: u16,
-    scalar: T,
-    f: impl Fn(T, T) -> T,
-) {
-    for k in 0..B {
-        let x = r[a as usize].0[k];
-        r[to].0[k] = from_fn(|i| f(x[i], scalar));
-    }
+fn positive<T: Lane>(a: T) -> T {
+    if a > T::ZERO { a } else { T::ZERO }
 }
 
-/// `to = f(a, b)`.
-#[inline(always)]
-fn two<T: Lane, const C: usize, const B: usize>(
-    r: &mut [Register<T, C, B>],
-    to: usize,
-    a: u16,
-    b: u16,
-    f: impl Fn(T, T) -> T,
-) {
-    for k in 0..B {
-        let (x, y) = (r[a as usize].0[k], r[b as usize].0[k]);
-        r[to].0[k] = from_fn(|i| f(x[i], y[i]));
-    }
-}
-
-/// `to = f(a, b, scalar)`.
-#[inline(always)]
-fn two_one<T: Lane, const C: usize, const B: usize>(
-    r: &mut [Register<T, C, B>],
-    to: usize,
-    a: u16,
-    b: u16,
-    scalar: T,
-    f: impl Fn(T, T, T) -> T,
-) {
-    for k in 0..B {
-        let (x, y) = (r[a as usize].0[k], r[b as usize].0[k]);
-        r[to].0[k] = from_fn(|i| f(x[i], y[i], scalar));
-    }
-}
-
-/// `to = f(a, b, c)`.
-#[inline(always)]
-fn three<T: Lane, const C: usize, const B: usize>(
-    r: &mut [Register<T, C, B>],
-    to: usize,
-    [a, b, c]: [u16; 3],
-    f: impl Fn(T, T, T) -> T,
-) {
-    for k in 0..B {
-        let (x, y, z) = (r[a as usize].0[k], r[b as usize].0[k], r[c as usize].0[k]);
-        r[to].0[k] = from_fn(|i| f(x[i], y[i], z[i]));
-    }
-}
-
-/// Any operation with operands from anywhere: the way of the rare ones.
+/// Any operation with operands from anywhere, lane by lane: the way of the rare ones.
 fn general<T: Lane, const C: usize, const B: usize>(op: &Operation, r: &mut [Register<T, C, B>], s: &[T]) {
-    for k in 0..B {
-        let fetch = |argument: Argument| match argument {
-            Argument::Register(a) => r[a as usize].0[k],
-            Argument::NONE => [T::ZERO; C],
-            Argument::Scalar(a) => [s[a as usize]; C],
-        };
-        let [x, y, z] = op.arguments.map(fetch);
-        r[op.register as usize].0[k] = from_fn(|i| match op.code {
-            Code::Copy => x[i],
-            Code::Unary(unary) => x[i].unary(unary),
-            Code::Binary(binary) => x[i].rare(binary, y[i]),
-            Code::Select => {
-                if x[i] > T::ZERO {
-                    y[i]
-                } else {
-                    z[i]
-                }
-            }
-            Code::MultiplyAdd => x[i] * y[i] + z[i],
-            Code::MultiplySubtract => x[i] * y[i] - z[i],
-            Code::SubtractProduct => z[i] - x[i] * y[i],
+    for lane in 0..B * C {
+        let [a, b, c, d, e] = op.arguments.map(|argument| match argument {
+            Argument::Register(register) => r[register as usize].lanes()[lane],
+            Argument::NONE => T::ZERO,
+            Argument::Scalar(scalar) => s[scalar as usize],
         });
+        r[op.register as usize].lanes_mut()[lane] = match op.code {
+            Code::Copy => a,
+            Code::Unary(unary) => a.unary(unary),
+            Code::Binary(binary) => a.rare(binary, b),
+            Code::Select if a > T::ZERO => b,
+            Code::Select => c,
+            Code::MultiplyAdd => a * b + c,
+            Code::MultiplySubtract => a * b - c,
+            Code::SubtractProduct => c - a * b,
+            Code::Dot => a * b + c * d,
+            Code::DotAdd => (a * b + e) + c * d,
+            Code::MultiplyPositive => a * positive(b),
+        };
     }
 }
 
@@ -288,10 +261,33 @@ mod tests {
         for value in [1.0, 0.75, 1e300, 3e-300, 6.02e23] {
             let (mantissa, exponent) = f64::split(value);
             assert!((1.0..2.0).contains(&mantissa), "{value}: mantissa {mantissa}");
-            assert_eq!(mantissa * exponent.exp2(), value, "mantissa x 2^exponent");
+            assert_eq!((mantissa * exponent.exp2()).to_bits(), value.to_bits(), "{value} is mantissa x 2^exponent");
         }
         let (mantissa, exponent) = f32::split(1e-20);
-        assert_eq!(mantissa * exponent.exp2(), 1e-20, "f32");
+        assert_eq!((mantissa * exponent.exp2()).to_bits(), 1e-20_f32.to_bits(), "f32");
         assert!(f64::INFINITY.split().0.is_nan(), "overflow is not hidden");
+    }
+
+    /// Products of the smallest and largest factors that are promised, split as often as promised.
+    #[test]
+    fn products_between_splits_do_not_overflow() {
+        fn logarithm<T: Lane>(factor: f64) -> f64 {
+            let (mut product, mut twos) = (T::ONE, 0.0);
+            for k in 1..=24 {
+                product = product * T::from_f64(factor);
+                if k % T::STEPS_PER_SPLIT == 0 {
+                    let (mantissa, exponent) = product.split();
+                    product = mantissa;
+                    twos += exponent.to_f64();
+                }
+            }
+            (product.to_f64().ln() + twos * std::f64::consts::LN_2) / 24.0
+        }
+        for factor in [1e-38_f64, 1e-19, 0.3, 1e19, 1e38] {
+            assert!((logarithm::<f64>(factor) - factor.ln()).abs() < 1e-12, "f64, {factor}");
+        }
+        for factor in [2e-19_f64, 0.3, 1e19] {
+            assert!((logarithm::<f32>(factor) - factor.ln()).abs() < 1e-6, "f32, {factor}");
+        }
     }
 }

@@ -7,7 +7,7 @@ use std::fmt::{self, Display, Formatter};
 /// Operation counts of a tape.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Counts {
-    /// + - * /, one each, fused pairs two; the figure that peers are compared by.
+    /// + - * /, one each, fused ones as many as they stand for; the figure that peers are compared by.
     pub flops: usize,
     /// Divisions among them.
     pub divisions: usize,
@@ -33,6 +33,12 @@ impl Tape {
                     counts.divisions += 1;
                 }
                 Code::MultiplyAdd | Code::MultiplySubtract | Code::SubtractProduct => counts.flops += 2,
+                Code::Dot => counts.flops += 3,
+                Code::DotAdd => counts.flops += 4,
+                Code::MultiplyPositive => {
+                    counts.flops += 1;
+                    counts.others += 1;
+                }
                 Code::Unary(_) | Code::Binary(_) | Code::Select => counts.others += 1,
             }
         }
@@ -72,7 +78,7 @@ impl Names<'_> {
     #[must_use]
     pub fn line(&self, operation: &Operation) -> String {
         let to = self.of(Argument::Register(operation.register));
-        let [a, b, c] = operation.arguments.map(|argument| self.of(argument));
+        let [a, b, c, d, e] = operation.arguments.map(|argument| self.of(argument));
         let value = match operation.code {
             Code::Copy => a,
             Code::Unary(Unary::Negate) => format!("-{a}"),
@@ -86,6 +92,9 @@ impl Names<'_> {
             Code::MultiplyAdd => format!("{a} * {b} + {c}"),
             Code::MultiplySubtract => format!("{a} * {b} - {c}"),
             Code::SubtractProduct => format!("{c} - {a} * {b}"),
+            Code::Dot => format!("{a} * {b} + {c} * {d}"),
+            Code::DotAdd => format!("{a} * {b} + {e} + {c} * {d}"),
+            Code::MultiplyPositive => format!("{a} * positive({b})"),
         };
         format!("{to} = {value}")
     }

@@ -123,8 +123,13 @@ impl Graph {
                     otherwise
                 }
             }
-            None if then == otherwise => then,
-            None => self.intern(Node::Select { condition, then, otherwise }),
+            None => match self.node(then) {
+                _ if then == otherwise => then,
+                Node::Select { condition: same, then, .. } if same == condition => {
+                    self.select(condition, then, otherwise)
+                }
+                _ => self.intern(Node::Select { condition, then, otherwise }),
+            },
         }
     }
 
@@ -156,6 +161,9 @@ mod tests {
         let minus = g.neg(x);
         assert_eq!(g.neg(minus), x, "--x");
         assert_eq!(g.add(x, minus), zero, "x + -x");
+        let y = g.leaf(Leaf::Carried(1));
+        let once = g.select(y, x, one);
+        assert_eq!(g.select(y, once, zero), g.select(y, x, zero), "the same condition asked twice");
         let negative_zero = g.constant(-0.0);
         assert_eq!(negative_zero, zero, "-0 is 0");
     }

@@ -73,7 +73,7 @@ impl Printer<'_> {
             Argument::Register(r) => names[r as usize].clone(),
             Argument::Scalar(s) => self.scalars[s as usize].clone(),
         };
-        let [a, b, c] = operation.arguments.map(of);
+        let [a, b, c, d, e] = operation.arguments.map(of);
         Ok(match operation.code {
             Code::Copy => a,
             Code::Unary(Unary::Negate) => format!("-{a}"),
@@ -87,6 +87,9 @@ impl Printer<'_> {
             Code::MultiplyAdd => format!("{a} * {b} + {c}"),
             Code::MultiplySubtract => format!("{a} * {b} - {c}"),
             Code::SubtractProduct => format!("{c} - {a} * {b}"),
+            Code::Dot => format!("{a} * {b} + {c} * {d}"),
+            Code::DotAdd => format!("({a} * {b} + {e}) + {c} * {d}"),
+            Code::MultiplyPositive => format!("{a} * positive_part({b})"),
         })
     }
 
@@ -95,6 +98,7 @@ impl Printer<'_> {
             Unary::Negate => "-",
             Unary::Sqrt => "sqrt",
             Unary::Abs => "abs",
+            Unary::Positive => "positive_part",
             Unary::Exp => self.single("exp")?,
             Unary::Ln => self.single("log")?,
             Unary::Sin => self.single("sin")?,

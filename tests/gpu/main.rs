@@ -1,6 +1,7 @@
 //! The WGSL of the tape on whatever adapter there is, against the reference and the CPU lanes.
 
 #[path = "../parity/cases.rs"]
+#[expect(dead_code, reason = "shared")]
 mod cases;
 
 use cases::cases;

@@ -23,6 +23,11 @@ pub(crate) const ALL: [BuiltIn; 5] = [
     constant_acceleration::MODEL,
 ];
 
+/// Names of the built-in models, as `kind` in problem files has them.
+pub fn built_in_models() -> impl Iterator<Item = &'static str> {
+    ALL.iter().map(|model| model.name)
+}
+
 /// Most axes a built-in model takes.
 pub(crate) const MAX_AXES: usize = 3;
 

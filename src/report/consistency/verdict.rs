@@ -4,11 +4,10 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::{Consistency, SETTLING};
-use crate::model::{Parameters, Scale, Search};
-
-/// Closer to a bound than this share of the range (on the parameter's scale) is at the bound.
-const AT_BOUND: f64 = 1e-3;
+use super::Consistency;
+use super::evidence::SETTLING;
+use crate::model::{Parameters, Search};
+use crate::report::{Bound, short};
 
 /// The judgement on a filter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
@@ -107,24 +106,13 @@ fn nis(c: &Consistency) -> Option<Finding> {
     };
     Some(Finding {
         verdict,
-        advice: format!("mean NIS {mean:.3} is {side} its 95 % band {low:.3}..{high:.3}: {cause}"),
+        advice: format!("mean NIS {} is {side} its 95 % band {low:.3}..{high:.3}: {cause}", short(mean, 4)),
     })
 }
 
 fn at_bound(name: &str, search: &Search, value: f64) -> Option<Finding> {
-    let on_scale = |v: f64| if search.scale == Scale::Log { v.ln() } else { v };
-    let (min, max) = (on_scale(search.min), on_scale(search.max));
-    let margin = AT_BOUND * (max - min);
-    if !(margin.is_finite() && margin > 0.0) {
-        return None;
-    }
-    let (side, bound) = if on_scale(value) <= min + margin {
-        ("lower", search.min)
-    } else if on_scale(value) >= max - margin {
-        ("upper", search.max)
-    } else {
-        return None;
-    };
+    let side = Bound::of(search, value)?;
+    let bound = side.value(search);
     let advice = format!(
         "{name} = {value:.4e} is at its {side} bound {bound}: the optimum lies beyond it, or the model does not need it \
          (widen the bound; if it runs on, change the model)"
@@ -135,6 +123,7 @@ fn at_bound(name: &str, search: &Search, value: f64) -> Option<Finding> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::Scale;
 
     fn bound(min: f64, max: f64, scale: Scale, value: f64) -> Option<String> {
         let search = Search { min, max, scale, init: [1.0, 2.0], start: None };

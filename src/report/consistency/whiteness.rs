@@ -4,8 +4,7 @@ use nalgebra::Cholesky;
 use serde::Serialize;
 
 use super::band::exceedance;
-use crate::data::Log;
-use crate::reference::{Run, Update};
+use crate::reference::Update;
 
 /// Most lags tested.
 const LAGS: usize = 20;
@@ -40,19 +39,10 @@ pub struct Whiteness {
 }
 
 impl Whiteness {
-    /// One entry per measurement that has any value.
-    pub(super) fn of(log: &Log, run: &Run) -> Vec<Self> {
-        let m = log.measurements.len();
-        let mut series = vec![vec![Vec::new(); run.trajectories.len()]; m];
-        for (t, steps) in run.trajectories.iter().enumerate() {
-            for update in steps.iter().filter_map(|s| s.update.as_ref()) {
-                for (&i, value) in update.present.iter().zip(normalised(update)) {
-                    series[i][t].push(value);
-                }
-            }
-        }
-        let named = log.measurements.iter().zip(&series);
-        named.filter_map(|(name, series)| Self::of_series(name, series, m)).collect()
+    /// One entry per measurement that has any value; `series` is by measurement and trajectory.
+    pub(super) fn of(measurements: &[String], series: &[Vec<Vec<f64>>]) -> Vec<Self> {
+        let named = measurements.iter().zip(series);
+        named.filter_map(|(name, series)| Self::of_series(name, series, measurements.len())).collect()
     }
 
     fn of_series(name: &str, series: &[Vec<f64>], tests: usize) -> Option<Self> {
@@ -89,7 +79,7 @@ impl Whiteness {
 }
 
 /// L^-1 nu; empty when S has no factor (which a finished run rules out).
-fn normalised(update: &Update) -> Vec<f64> {
+pub(super) fn normalised(update: &Update) -> Vec<f64> {
     let factor = Cholesky::new(update.s.clone());
     let white = factor.and_then(|c| c.l_dirty().solve_lower_triangular(&update.nu));
     white.map_or_else(Vec::new, |v| v.as_slice().to_vec())

@@ -1,0 +1,99 @@
+//! What a measurement found: one JSON object for programs, a short table for people.
+
+use std::fmt;
+
+/// Filter-steps per second (one step = one candidate over one row), with what is needed to compare it with another
+/// program: the field names are those of a common harness that other libraries print too. Times are in seconds.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Report {
+    /// Always `kfgpu`.
+    pub peer: &'static str,
+    /// Letter of the workload, or name of the problem file.
+    pub workload: String,
+    /// `f64` or `f32`.
+    pub dtype: String,
+    /// Candidates.
+    #[serde(rename = "N")]
+    pub candidates: usize,
+    /// Rows, over all trajectories.
+    #[serde(rename = "T")]
+    pub rows: usize,
+    /// Median time of an evaluation of all candidates.
+    pub median_s: f64,
+    /// Least time of an evaluation.
+    pub min_s: f64,
+    /// Median CPU time of an evaluation, all threads together; null where the system does not tell.
+    pub cpu_s: Option<f64>,
+    /// Timed evaluations.
+    pub reps: usize,
+    /// N T / `median_s`.
+    pub steps_per_s: f64,
+    /// N T / `cpu_s`.
+    pub steps_per_cpu_s: Option<f64>,
+    /// Time to trace the filter and prepare the log.
+    pub compile_s: f64,
+    /// `compile_s` plus the first evaluation.
+    pub first_call_s: f64,
+    /// N T / `first_call_s`.
+    pub steps_per_s_incl_compile: f64,
+    /// Log-likelihood of candidate 0 \[nats\]; null if it failed.
+    pub check: Option<f64>,
+    /// Mean squared innovation of candidate 0.
+    pub check_mse: Option<f64>,
+    /// Sum of NIS / T of candidate 0.
+    pub check_nis: Option<f64>,
+    /// Mean log-likelihood over usable candidates \[nats\].
+    pub mean_ll: Option<f64>,
+    /// Mean of their mean squared innovations.
+    pub mean_mse: Option<f64>,
+    /// Candidates that failed.
+    pub failed: usize,
+    /// Processors this process may use.
+    pub cpus: usize,
+    /// Threads it was told to use.
+    pub threads: usize,
+    /// Largest resident set of the process \[MiB\]; null where the system does not tell.
+    pub maxrss_mb: Option<u64>,
+    /// `cpu`.
+    pub device: String,
+    /// Processor and instruction set.
+    pub isa: String,
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { workload, candidates, rows, dtype, threads, .. } = self;
+        let plural = if *threads == 1 { "" } else { "s" };
+        writeln!(
+            f,
+            "workload             {workload}: {candidates} candidates x {rows} rows, {dtype}, {threads} thread{plural}"
+        )?;
+        writeln!(f, "device               {} ({})", self.device, self.isa)?;
+        writeln!(
+            f,
+            "filter-steps/s       {:.3e} (median of {}, best {:.3e})",
+            self.steps_per_s,
+            self.reps,
+            self.best()
+        )?;
+        if let Some(rate) = self.steps_per_cpu_s {
+            writeln!(f, "per CPU-second       {rate:.3e}")?;
+        }
+        writeln!(f, "evaluation           {:.6} s", self.median_s)?;
+        writeln!(f, "trace and prepare    {:.6} s", self.compile_s)?;
+        if let Some(peak) = self.maxrss_mb {
+            writeln!(f, "peak memory          {peak} MiB")?;
+        }
+        if let (Some(check), Some(mse), Some(nis)) = (self.check, self.check_mse, self.check_nis) {
+            writeln!(f, "candidate 0          log-likelihood {check:.6}, mse {mse:.6}, NIS per row {nis:.6}")?;
+        }
+        write!(f, "failed candidates    {}", self.failed)
+    }
+}
+
+impl Report {
+    /// Filter-steps per second of the fastest evaluation.
+    fn best(&self) -> f64 {
+        self.candidates as f64 * self.rows as f64 / self.min_s
+    }
+}

@@ -1,0 +1,133 @@
+//! `kfgpu evaluate`: costs of given candidates, so that any outside optimiser can drive a filter.
+
+use std::fs::File;
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, ensure};
+use clap::Args;
+use serde::Serialize;
+
+use super::candidates::Candidates;
+use super::console::Console;
+use super::options::Compute;
+use super::{Ending, files, load};
+use crate::evaluate::{CpuEvaluator, Device, Evaluation, Evaluator};
+use crate::objective::Objective;
+use crate::report::{Named, exact};
+
+/// Score given candidates: CSV in, CSV of costs out, in the same order.
+///
+/// The input's header names the searched parameters, in any order; values are in their own units. The answer has one
+/// column per objective and `status`: 0 = usable, 1 = a covariance was not positive, 2 = a cost was not finite (bits
+/// add up). A candidate that failed costs 1.7976931348623157e308, the worst finite number.
+///
+/// With `-` candidates are answered as they arrive, line by line, as long as the input lasts: one process serves a
+/// whole search.
+#[derive(Debug, Args)]
+pub(super) struct Evaluate {
+    /// Problem file (TOML).
+    problem: PathBuf,
+
+    /// Candidates (CSV with a header); `-` reads standard input and answers line by line.
+    candidates: PathBuf,
+
+    /// Log to score on in place of the problem file's (default: the file's `data.file`).
+    #[arg(long, value_name = "FILE")]
+    data: Option<String>,
+
+    #[command(flatten)]
+    compute: Compute,
+
+    /// Print one JSON object with objectives, status and device at the end of the input (default: CSV as it goes), for
+    /// programs.
+    #[arg(long)]
+    json: bool,
+}
+
+/// All costs, by objective.
+#[derive(Debug, Serialize)]
+struct Costs {
+    objectives: Named<Vec<f64>>,
+    status: Vec<u32>,
+    device: Device,
+}
+
+impl Evaluate {
+    pub(super) fn run(&self, console: Console) -> anyhow::Result<Ending> {
+        let from_stdin = self.candidates == Path::new("-");
+        let loaded = load::load(Some(&self.problem), self.data.as_deref(), console)?;
+        let taken = from_stdin && loaded.origin == load::Origin::Stdin;
+        ensure!(!taken, "standard input cannot be both the log and the candidates (give one of them as a file)");
+        let (problem, log) = (&loaded.problem, &loaded.log);
+        ensure!(
+            problem.parameters.dimension() > 0,
+            "{}: no parameter is searched, so there is nothing to evaluate (give one of [parameters] min and max)",
+            problem.source
+        );
+        let mut evaluator = CpuEvaluator::new(problem, log, self.compute.cpu())?;
+        let mut candidates =
+            Candidates::open(self.input(from_stdin)?, &self.source(from_stdin), &problem.parameters.names())?;
+        let names = problem.tune.objectives.iter().map(Objective::name).collect::<Vec<_>>();
+        if self.json {
+            files::print_json(&collect(&mut candidates, &mut evaluator, names)?)?;
+        } else {
+            answer(&mut candidates, &mut evaluator, &names)?;
+        }
+        Ok(Ending::Done)
+    }
+
+    fn input(&self, from_stdin: bool) -> anyhow::Result<Box<dyn Read>> {
+        if from_stdin {
+            return Ok(Box::new(io::stdin()));
+        }
+        let file =
+            File::open(&self.candidates).with_context(|| format!("cannot read {}", self.candidates.display()))?;
+        Ok(Box::new(file))
+    }
+
+    fn source(&self, from_stdin: bool) -> String {
+        if from_stdin { "<stdin>".to_owned() } else { self.candidates.display().to_string() }
+    }
+}
+
+/// Answers batch by batch; each answer is flushed, because whoever asked may be waiting for it.
+fn answer(
+    candidates: &mut Candidates<impl Read>,
+    evaluator: &mut impl Evaluator,
+    names: &[&str],
+) -> anyhow::Result<()> {
+    let mut out = io::BufWriter::new(io::stdout().lock());
+    writeln!(out, "{},status", names.join(","))?;
+    out.flush()?;
+    while let Some(batch) = candidates.next_batch()? {
+        let evaluation = evaluator.evaluate(&batch);
+        (0..batch.len()).try_for_each(|i| write_row(&evaluation, i, &mut out))?;
+        out.flush()?;
+    }
+    Ok(())
+}
+
+fn write_row(evaluation: &Evaluation, i: usize, out: &mut impl Write) -> io::Result<()> {
+    for cost in evaluation.costs(i) {
+        write!(out, "{},", exact(*cost))?;
+    }
+    writeln!(out, "{}", evaluation.status(i).bits())
+}
+
+fn collect(
+    candidates: &mut Candidates<impl Read>,
+    evaluator: &mut impl Evaluator,
+    names: Vec<&str>,
+) -> anyhow::Result<Costs> {
+    let mut costs = vec![Vec::new(); names.len()];
+    let mut status = Vec::new();
+    while let Some(batch) = candidates.next_batch()? {
+        let evaluation = evaluator.evaluate(&batch);
+        for i in 0..batch.len() {
+            costs.iter_mut().zip(evaluation.costs(i)).for_each(|(column, cost)| column.push(*cost));
+            status.push(evaluation.status(i).bits());
+        }
+    }
+    Ok(Costs { objectives: Named::new(names, costs), status, device: evaluator.device() })
+}

@@ -1,0 +1,193 @@
+//! Output files, written whole or not at all: under a temporary name in the same folder, then renamed.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::Context as _;
+
+/// A folder that could be written to before the work started.
+#[derive(Debug)]
+pub(super) struct OutFolder {
+    path: PathBuf,
+}
+
+impl OutFolder {
+    /// Makes the folder where it does not exist and tries to write in it.
+    pub(super) fn prepare(path: &Path) -> anyhow::Result<Self> {
+        fs::create_dir_all(path).with_context(|| {
+            format!("cannot make the output folder {} (choose a folder you may write to)", path.display())
+        })?;
+        try_writing_in(path)?;
+        Ok(Self { path: path.to_path_buf() })
+    }
+
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Writes one file of the folder.
+    pub(super) fn write(
+        &self,
+        name: &str,
+        fill: impl FnOnce(&mut dyn Write) -> anyhow::Result<()>,
+    ) -> anyhow::Result<()> {
+        write_whole(&self.path.join(name), fill)
+    }
+}
+
+/// Where a verb's table goes: a file, or standard output.
+#[derive(Debug)]
+pub(super) enum Destination {
+    Stdout,
+    File(PathBuf),
+}
+
+impl Destination {
+    /// `None` and `-` mean standard output. A file's folder is tried at once, so that nothing is lost at the end.
+    pub(super) fn prepare(out: Option<&Path>) -> anyhow::Result<Self> {
+        match out {
+            None => Ok(Self::Stdout),
+            Some(path) if path == Path::new("-") => Ok(Self::Stdout),
+            Some(path) if path.is_dir() => {
+                anyhow::bail!("cannot write {}: it is a folder (name a file in it)", path.display())
+            }
+            Some(path) => {
+                try_writing_in(folder_of(path))?;
+                Ok(Self::File(path.to_path_buf()))
+            }
+        }
+    }
+
+    /// Writes the table.
+    pub(super) fn write(&self, fill: impl FnOnce(&mut dyn Write) -> anyhow::Result<()>) -> anyhow::Result<()> {
+        match self {
+            Self::File(path) => write_whole(path, fill),
+            Self::Stdout => {
+                let mut out = BufWriter::new(Watched { out: io::stdout().lock(), failure: None });
+                let written = fill(&mut out).and_then(|()| Ok(out.flush()?));
+                // Table writers wrap the error in their own; what it was must not be lost.
+                let failure = out.get_ref().failure;
+                failure.map_or(written, |kind| Err(io::Error::from(kind)).context(STDOUT))
+            }
+        }
+    }
+}
+
+/// What is said when standard output fails.
+const STDOUT: &str = "cannot write to standard output";
+
+/// Remembers why writing failed.
+struct Watched<W> {
+    out: W,
+    failure: Option<io::ErrorKind>,
+}
+
+impl<W> Watched<W> {
+    fn watch<T>(&mut self, result: io::Result<T>) -> io::Result<T> {
+        // An interrupted call is repeated by the writers above.
+        let kind = result.as_ref().err().map(io::Error::kind).filter(|kind| *kind != io::ErrorKind::Interrupted);
+        self.failure = self.failure.or(kind);
+        result
+    }
+}
+
+impl<W: Write> Write for Watched<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.out.write(bytes);
+        self.watch(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        let flushed = self.out.flush();
+        self.watch(flushed)
+    }
+}
+
+/// Prints a verb's text result on standard output.
+pub(super) fn print(text: &str) -> anyhow::Result<()> {
+    let end = if text.ends_with('\n') { "" } else { "\n" };
+    let mut out = io::stdout().lock();
+    write!(out, "{text}{end}").and_then(|()| out.flush()).context(STDOUT)
+}
+
+/// Prints exactly one JSON object on standard output.
+pub(super) fn print_json(value: &impl serde::Serialize) -> anyhow::Result<()> {
+    print(&serde_json::to_string(value)?)
+}
+
+/// Writes `path` whole or leaves it as it was.
+pub(super) fn write_whole(path: &Path, fill: impl FnOnce(&mut dyn Write) -> anyhow::Result<()>) -> anyhow::Result<()> {
+    let temporary = temporary_name(path);
+    let written = fill_file(&temporary, fill).and_then(|()| Ok(fs::rename(&temporary, path)?));
+    if written.is_err() {
+        // The first error is the one to report; a temporary file that never came to be cannot be removed either.
+        let _ = fs::remove_file(&temporary);
+    }
+    written.map_err(|error| {
+        // What went wrong while the content was computed speaks for itself.
+        let writing = error.is::<io::Error>() || error.is::<csv::Error>();
+        if writing { error.context(format!("cannot write {}", path.display())) } else { error }
+    })
+}
+
+fn fill_file(path: &Path, fill: impl FnOnce(&mut dyn Write) -> anyhow::Result<()>) -> anyhow::Result<()> {
+    let mut out = BufWriter::new(File::create(path)?);
+    fill(&mut out)?;
+    out.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
+    Ok(())
+}
+
+fn try_writing_in(folder: &Path) -> anyhow::Result<()> {
+    let probe = temporary_name(&folder.join("writable"));
+    File::create(&probe).with_context(|| {
+        format!("cannot write in the folder {} (choose a folder you may write to)", folder.display())
+    })?;
+    Ok(fs::remove_file(&probe)?)
+}
+
+/// The folder of a file.
+pub(super) fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."))
+}
+
+/// `.NAME.PROCESS.tmp` beside `path`: the same file system, so that renaming is one step.
+fn temporary_name(path: &Path) -> PathBuf {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    folder_of(path).join(format!(".{name}.{}.tmp", std::process::id()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_no_other() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("result.json");
+        write_whole(&path, |out| Ok(out.write_all(b"old")?)).unwrap();
+        let failed = write_whole(&path, |out| {
+            out.write_all(b"half of the n")?;
+            anyhow::bail!("interrupted")
+        });
+        assert!(failed.is_err(), "{failed:?}");
+        assert_eq!(fs::read_to_string(&path).unwrap(), "old");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "the temporary file is gone");
+    }
+
+    #[test]
+    fn a_folder_under_a_file_is_refused_before_work_starts() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        let error = OutFolder::prepare(&file.path().join("out")).unwrap_err();
+        assert!(error.to_string().starts_with("cannot make the output folder"), "{error}");
+        let error = Destination::prepare(Some(&file.path().join("out.csv"))).unwrap_err();
+        assert!(error.to_string().starts_with("cannot write in the folder"), "{error}");
+    }
+
+    #[test]
+    fn a_folder_is_no_destination() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = Destination::prepare(Some(folder.path())).unwrap_err();
+        assert!(error.to_string().contains("it is a folder"), "{error}");
+    }
+}

@@ -1,0 +1,50 @@
+//! `kfgpu init`: a first problem file for a log.
+
+use std::fs::File;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, ensure};
+use clap::Args;
+
+use super::console::Console;
+use super::{Ending, files, paths};
+use crate::model;
+
+/// Write a commented problem file for a log, with bounds and starts drawn from its data.
+#[derive(Debug, Args)]
+pub(super) struct Init {
+    /// Log (CSV with a header); `-` reads standard input.
+    log: PathBuf,
+
+    /// File to write, whole or not at all; `-` is standard output (default: standard output).
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+
+    /// Replace the file if it exists (default: refuse, so that no edited problem file is lost).
+    #[arg(long)]
+    force: bool,
+}
+
+impl Init {
+    pub(super) fn run(&self, console: Console) -> anyhow::Result<Ending> {
+        let Some(out) = self.out.as_deref().filter(|out| *out != Path::new("-")) else {
+            files::print(&self.draft(&self.log)?)?;
+            return Ok(Ending::Done);
+        };
+        ensure!(self.force || !out.exists(), "{} exists (give --force to replace it)", out.display());
+        let text = self.draft(&paths::seen_from(files::folder_of(out), &self.log))?;
+        files::write_whole(out, |file| Ok(file.write_all(text.as_bytes())?))?;
+        console.note(format_args!("wrote {0}: look it over, then run `kfgpu tune {0}`", out.display()));
+        Ok(Ending::Done)
+    }
+
+    /// The text, in which the log is called `name`.
+    fn draft(&self, name: &Path) -> anyhow::Result<String> {
+        if self.log == Path::new("-") {
+            return Ok(model::draft(&self.log, io::stdin().lock())?.text);
+        }
+        let file = File::open(&self.log).with_context(|| format!("cannot read {}", self.log.display()))?;
+        Ok(model::draft(name, file)?.text)
+    }
+}

@@ -1,0 +1,48 @@
+//! Flags that several verbs share.
+
+use std::num::NonZeroUsize;
+
+use clap::{Args, ValueEnum};
+
+use crate::evaluate::{CpuOptions, Precision};
+
+/// How candidates are computed.
+#[derive(Debug, Clone, Args)]
+pub(super) struct Compute {
+    /// Number format of the search; `auto` is f64 on the CPU. f32 is about twice as fast and is re-scored in f64 at the
+    /// end.
+    #[arg(long, value_enum, default_value_t = PrecisionChoice::Auto, value_name = "FORMAT")]
+    pub(super) precision: PrecisionChoice,
+
+    /// Threads that compute candidates (default: one per core). No result depends on it; give 1 to leave the other
+    /// cores alone.
+    #[arg(long, value_name = "N")]
+    pub(super) threads: Option<NonZeroUsize>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum PrecisionChoice {
+    Auto,
+    F64,
+    F32,
+}
+
+impl From<PrecisionChoice> for Precision {
+    fn from(choice: PrecisionChoice) -> Self {
+        match choice {
+            PrecisionChoice::Auto | PrecisionChoice::F64 => Self::F64,
+            PrecisionChoice::F32 => Self::F32,
+        }
+    }
+}
+
+impl Compute {
+    /// The evaluator's options; what else runs in parallel then keeps to the same number of threads.
+    pub(super) fn cpu(&self) -> CpuOptions {
+        if let Some(threads) = self.threads {
+            // Only a second call could fail, and its number would be the same.
+            let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.get()).build_global();
+        }
+        CpuOptions { precision: self.precision.into(), threads: self.threads }
+    }
+}

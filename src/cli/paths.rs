@@ -1,0 +1,44 @@
+//! Paths in written problem files.
+
+use std::path::{Component, Path, PathBuf};
+
+/// `file` as seen from `folder`, both as the process sees them: relative where they share a folder below the root, so
+/// that the tree can move, else absolute. An absolute `file` stays as the user gave it.
+pub(super) fn seen_from(folder: &Path, file: &Path) -> PathBuf {
+    if file.is_absolute() {
+        return file.to_path_buf();
+    }
+    let (Ok(folder), Ok(file)) = (folder.canonicalize(), file.canonicalize()) else { return file.to_path_buf() };
+    let shared = folder.components().zip(file.components()).take_while(|(a, b)| a == b).count();
+    let is_name = |c: &Component| matches!(c, Component::Normal(_));
+    if !folder.components().take(shared).any(|c| is_name(&c)) {
+        return file;
+    }
+    let up = folder.components().skip(shared).map(|_| Component::ParentDir);
+    up.chain(file.components().skip(shared)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    #[test]
+    fn a_file_is_found_again_from_the_folder() {
+        let root = tempfile::tempdir().unwrap();
+        let root = root.path().canonicalize().unwrap();
+        fs::create_dir_all(root.join("out/first")).unwrap();
+        fs::create_dir_all(root.join("data")).unwrap();
+        fs::write(root.join("data/log.csv"), "t,z\n").unwrap();
+        // Tests share the process's folder, so relative paths are made from it.
+        let here = std::env::current_dir().unwrap().canonicalize().unwrap();
+        let to_root: PathBuf =
+            here.components().skip(1).map(|_| Component::ParentDir).chain(root.components().skip(1)).collect();
+        let seen = seen_from(&to_root.join("out/first"), &to_root.join("data/log.csv"));
+        assert_eq!(seen, Path::new("../../data/log.csv"));
+        assert!(root.join("out/first").join(&seen).exists(), "{seen:?}");
+        let absolute = root.join("data/log.csv");
+        assert_eq!(seen_from(&to_root, &absolute), absolute);
+    }
+}

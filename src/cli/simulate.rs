@@ -1,0 +1,37 @@
+//! `kfgpu simulate`: a log drawn from the model.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::Ending;
+use super::console::Console;
+use super::files::Destination;
+use crate::data::{self, Summary};
+use crate::model::Problem;
+
+/// Draw truth and measurements from a problem's model, as its `[simulate]` table says, and write them as CSV.
+#[derive(Debug, Args)]
+pub(super) struct Simulate {
+    /// Problem file (TOML) with a `[simulate]` table.
+    problem: PathBuf,
+
+    /// Seed of the draw (default: the file's `simulate.seed`); another seed is another realisation of the same truth.
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+
+    /// File for the log, written whole or not at all; `-` is standard output (default: standard output).
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+impl Simulate {
+    pub(super) fn run(&self, console: Console) -> anyhow::Result<Ending> {
+        let destination = Destination::prepare(self.out.as_deref())?;
+        let problem = Problem::open(&self.problem)?;
+        let log = data::simulate(&problem, self.seed)?;
+        console.note(Summary::of(&log));
+        destination.write(|out| Ok(log.write_csv(&problem.data, out)?))?;
+        Ok(Ending::Done)
+    }
+}

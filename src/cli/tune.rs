@@ -1,0 +1,206 @@
+//! `kfgpu tune`: the main job.
+
+use std::path::PathBuf;
+
+use anyhow::anyhow;
+use clap::Args;
+
+use super::console::{self, Console};
+use super::files::{self, OutFolder};
+use super::load::{self, Loaded};
+use super::options::Compute;
+use super::overrides::{self, Override};
+use super::progress::Progress;
+use super::{Ending, interrupt, results};
+use crate::data::Log;
+use crate::evaluate::{CpuEvaluator, CpuOptions, Device, Evaluator, Precision};
+use crate::model::Problem;
+use crate::reference;
+use crate::report::{Effort, Tuning};
+use crate::study::{self, Judge, Observer, Outcome, StopReason, Study};
+
+/// Search the parameters of a filter on a log, and report how much better the best found is.
+///
+/// With no file, tunes a built-in example (the level of the Nile, 1871-1970) on data that ships with the program.
+#[derive(Debug, Args)]
+#[command(allow_negative_numbers = true)]
+pub(super) struct Tune {
+    /// Problem file (TOML; `kfgpu init LOG.csv` writes one).
+    problem: Option<PathBuf>,
+
+    /// Log to tune on in place of the problem file's; `-` reads it from standard input (default: the file's
+    /// `data.file`), to use one problem file on many logs.
+    #[arg(long, value_name = "FILE")]
+    data: Option<String>,
+
+    /// Optimiser: pso, pso-inertia, pio, pio-printed, pio+, random (default: the file's `tune.algorithm`), to compare searches.
+    #[arg(long, value_name = "NAME")]
+    algorithm: Option<String>,
+
+    /// Objectives to minimise, separated by commas, such as `nll` or `nll,nis` (default: the file's `tune.objectives`);
+    /// options of an objective stay as the file has them.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    objectives: Vec<String>,
+
+    #[command(flatten)]
+    search: Search,
+
+    #[command(flatten)]
+    compute: Compute,
+
+    /// Folder for result.json, tuned.toml (a problem file ready to run) and history.csv (default: none is written); it
+    /// is made if need be, and tried before the search starts so that no result is lost.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// Print the result as one JSON object on stdout (default: a short report), for programs.
+    #[arg(long)]
+    json: bool,
+}
+
+/// How far the search goes.
+#[derive(Debug, Args)]
+struct Search {
+    /// Candidates a generation (default: the file's `tune.population`); more find better optima of many parameters.
+    #[arg(long, value_name = "N")]
+    population: Option<i64>,
+
+    /// Generations after the initial one (default: the file's `tune.generations`).
+    #[arg(long, value_name = "N")]
+    generations: Option<i64>,
+
+    /// Seed of every random draw (default: the file's `tune.seed`); the same seed gives the same bits on any number of
+    /// threads.
+    #[arg(long, value_name = "N")]
+    seed: Option<i64>,
+
+    /// Stop after this many evaluations, one candidate on the whole log each (default: the file's
+    /// `tune.stop.evaluations`, or no limit).
+    #[arg(long, value_name = "N")]
+    evaluations: Option<i64>,
+
+    /// Stop after this long, in seconds (default: the file's `tune.stop.wall_time`, or no limit); two such runs may differ.
+    #[arg(long, value_name = "SECONDS")]
+    wall_time: Option<f64>,
+
+    /// Stop after this many generations without a gain (default: the file's `tune.stop.stall`, or never).
+    #[arg(long, value_name = "GENERATIONS")]
+    stall: Option<i64>,
+
+    /// Stop when the first objective is at or below this, in its own unit (default: the file's `tune.stop.target`, or none).
+    #[arg(long, value_name = "COST")]
+    target: Option<f64>,
+
+    /// Leave out the local search in f64 that ends a study of one objective (default: as the file's `tune.polish`,
+    /// true), to see what the optimiser itself found.
+    #[arg(long)]
+    no_polish: bool,
+
+    /// Leave the file's start values out of generation 0 (default: as the file's `tune.include_start`, true), to see
+    /// what is found without them; the winner may then be worse than the baseline.
+    #[arg(long)]
+    no_start: bool,
+}
+
+impl Tune {
+    pub(super) fn run(&self, console: Console) -> anyhow::Result<Ending> {
+        let path = self.problem.as_deref();
+        let problem = load::problem(path)?;
+        let overrides = self.overrides(&problem);
+        let problem = overrides::apply(problem, &overrides)?;
+        let Loaded { problem, log, origin, warnings } = load::log_of(problem, path, self.data.as_deref(), console)?;
+        let folder = self.out.as_deref().map(OutFolder::prepare).transpose()?;
+        let (outcome, device) = self.study(&problem, &log, console)?;
+
+        let said = warnings.len();
+        let effort = Effort::of(&problem, &log, &outcome, device, warnings);
+        let Some(winner) = &outcome.winner else { return self.report_nothing(effort, &outcome, folder.as_ref()) };
+        let tuning = Tuning::of(effort, &problem, &log, winner)?;
+        if let Some(folder) = &folder {
+            results::write(folder, &tuning, &outcome.history)?;
+            results::write_problem(folder, &problem, &winner.candidate, &origin)?;
+        }
+        if self.json {
+            files::print_json(&tuning)?;
+        } else {
+            files::print(&tuning.to_string())?;
+        }
+        tuning.effort.warnings[said..].iter().for_each(|warning| console.warn(warning));
+        let interrupted = outcome.stop == StopReason::Interrupted;
+        Ok(if interrupted { Ending::Interrupted } else { Ending::Done })
+    }
+
+    /// Searches, with Ctrl-C asking for the best so far.
+    fn study(&self, problem: &Problem, log: &Log, console: Console) -> anyhow::Result<(Outcome, Device)> {
+        let interrupt = interrupt::flag()?;
+        let cpu = self.compute.cpu();
+        let mut evaluator = CpuEvaluator::new(problem, log, cpu)?;
+        let in_f64 = CpuOptions { precision: Precision::F64, ..cpu };
+        let wants_f64 = problem.tune.polish && in_f64.precision != cpu.precision;
+        let mut polisher = wants_f64.then(|| CpuEvaluator::new(problem, log, in_f64)).transpose()?;
+        let oracle = |candidate: &[f64]| reference::costs(problem, log, candidate).ok();
+        let judge = Judge { oracle: &oracle, polisher: polisher.as_mut().map(|p| p as &mut dyn Evaluator) };
+        let mut progress = Progress::new(console, &problem.tune)?;
+        let observers: &mut [&mut dyn Observer] = &mut [&mut progress];
+        let outcome = study::run(&Study::of(problem), &mut evaluator, judge, observers, &interrupt)?;
+        Ok((outcome, evaluator.device()))
+    }
+
+    /// Says that every candidate failed, in the same places as a result.
+    fn report_nothing(&self, effort: Effort, outcome: &Outcome, folder: Option<&OutFolder>) -> anyhow::Result<Ending> {
+        let interrupted = outcome.stop == StopReason::Interrupted;
+        let nothing = effort.without_winner();
+        if let Some(folder) = folder {
+            results::write(folder, &nothing, &outcome.history)?;
+        }
+        if self.json {
+            files::print_json(&nothing)?;
+        } else {
+            files::print(&nothing.effort.to_string())?;
+        }
+        console::error(&anyhow!("no usable candidate: {}", why_nothing(outcome)));
+        Ok(if interrupted { Ending::Interrupted } else { Ending::NotUsable })
+    }
+
+    fn overrides(&self, problem: &Problem) -> Vec<Override> {
+        let Search { population, generations, seed, evaluations, wall_time, stall, target, no_polish, no_start } =
+            &self.search;
+        let text = |flag, path, value: &Option<String>| value.as_ref().map(|v| Override::new(flag, path, v.as_str()));
+        let integer = |flag, path, value: Option<i64>| value.map(|v| Override::new(flag, path, v));
+        let number = |flag, path, value: Option<f64>| value.map(|v| Override::new(flag, path, v));
+        let objectives = || Override::objectives(problem, &self.objectives);
+        [
+            text("--algorithm", &["tune", "algorithm"], &self.algorithm),
+            (!self.objectives.is_empty()).then(objectives),
+            integer("--population", &["tune", "population"], *population),
+            integer("--generations", &["tune", "generations"], *generations),
+            integer("--seed", &["tune", "seed"], *seed),
+            integer("--evaluations", &["tune", "stop", "evaluations"], *evaluations),
+            number("--wall-time", &["tune", "stop", "wall_time"], *wall_time),
+            integer("--stall", &["tune", "stop", "stall"], *stall),
+            number("--target", &["tune", "stop", "target"], *target),
+            no_polish.then(|| Override::switch("--no-polish", &["tune", "polish"], false)),
+            no_start.then(|| Override::switch("--no-start", &["tune", "include_start"], false)),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+}
+
+/// Why a study has no winner.
+fn why_nothing(Outcome { evaluations, failed, .. }: &Outcome) -> String {
+    if *evaluations == 0 {
+        "the search was stopped before its first generation was done".to_owned()
+    } else if failed == evaluations {
+        format!(
+            "all {evaluations} evaluations failed (check with `kfgpu filter` that the start values run, and narrow the \
+             bounds)"
+        )
+    } else {
+        format!(
+            "the f64 reference could run none of the best candidates, {failed} of {evaluations} evaluations failed (give \
+             --precision f64 or narrow the bounds)"
+        )
+    }
+}

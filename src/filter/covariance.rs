@@ -1,0 +1,185 @@
+//! The covariance that a filter carries, in either of its forms, behind one set of operations.
+#![expect(non_snake_case, reason = "Kalman notation: F, H, Q, R, P, S, K")]
+
+use super::factored::Factored;
+use super::form::Form;
+use super::symmetric::Symmetric;
+use crate::tape::{Graph, Id};
+
+/// P, or its factors. Either has n (n + 1) / 2 entries, in the storage order of [`Symmetric`].
+#[derive(Debug, Clone)]
+pub(super) enum Covariance {
+    Full(Symmetric),
+    Factored(Factored),
+}
+
+/// One decorrelated scalar measurement: z = H x + v with var v = D, taken where the gate is 1 and skipped where it is 0.
+pub(super) struct Scalar<'a> {
+    pub(super) H: &'a [Id],
+    pub(super) D: Id,
+    pub(super) gate: Id,
+}
+
+/// What a scalar measurement does to the mean.
+pub(super) struct Gain {
+    /// Gain, n; 0 where gated off.
+    pub(super) K: Vec<Id>,
+    /// Innovation variance H P H' + D; 1 where gated off.
+    pub(super) S: Id,
+    /// 1 / S; 0 where gated off.
+    pub(super) inverse: Id,
+}
+
+impl Covariance {
+    /// P in the given form.
+    pub(super) fn new(g: &mut Graph, form: Form, P: Symmetric) -> Self {
+        match form {
+            Form::Full => Self::Full(P),
+            Form::Factored => Self::Factored(Factored::of(g, &P)),
+        }
+    }
+
+    /// From [`Self::entries`].
+    pub(super) fn from_entries(g: &mut Graph, form: Form, n: usize, entries: &[Id]) -> Self {
+        let zero = g.constant(0.0);
+        let mut entries = entries.iter().copied();
+        let upper = Symmetric::from_fn(n, |_, _| entries.next().unwrap_or(zero));
+        match form {
+            Form::Full => Self::Full(upper),
+            Form::Factored => Self::Factored(Factored::from_entries(g, &upper)),
+        }
+    }
+
+    /// What is carried.
+    pub(super) fn entries(&self) -> Vec<Id> {
+        match self {
+            Self::Full(P) => P.upper().to_vec(),
+            Self::Factored(factors) => factors.entries(),
+        }
+    }
+
+    /// Names of the entries: `P.d.v`, or `U.d.v` above the diagonal and `D.d` on it.
+    pub(super) fn names(form: Form, states: &[String]) -> Vec<String> {
+        let name = |(i, j): (usize, usize)| match form {
+            Form::Full => format!("P.{}.{}", states[i], states[j]),
+            Form::Factored if i == j => format!("D.{}", states[i]),
+            Form::Factored => format!("U.{}.{}", states[i], states[j]),
+        };
+        Symmetric::places(states.len()).map(name).collect()
+    }
+
+    /// The time update F P F' + Q.
+    pub(super) fn propagate(&self, g: &mut Graph, F: &[Vec<Id>], Q: &Symmetric) -> Self {
+        match self {
+            Self::Full(P) => Self::Full(P.propagate(g, F, Q)),
+            Self::Factored(factors) => Self::Factored(factors.propagate(g, F, Q)),
+        }
+    }
+
+    /// H P H' + R for one row of H.
+    pub(super) fn variance(&self, g: &mut Graph, H: &[Id], R: Id) -> Id {
+        match self {
+            Self::Full(P) => P.variance(g, H, R),
+            Self::Factored(factors) => factors.variance(g, H, R),
+        }
+    }
+
+    /// The update by one scalar measurement.
+    pub(super) fn update(&mut self, g: &mut Graph, scalar: &Scalar<'_>) -> Gain {
+        match self {
+            Self::Full(P) => P.update(g, scalar),
+            Self::Factored(factors) => factors.update(g, scalar),
+        }
+    }
+
+    /// e' P^-1 e, and the pivots it divides by: all positive where P is positive definite.
+    pub(super) fn normalised_square(&self, g: &mut Graph, e: &[Id]) -> (Id, Vec<Id>) {
+        match self {
+            Self::Full(P) => P.normalised_square(g, e),
+            Self::Factored(factors) => factors.normalised_square(g, e),
+        }
+    }
+}
+
+impl Scalar<'_> {
+    /// A missing component neither divides by its S nor has to have a positive one.
+    pub(super) fn gated(&self, g: &mut Graph, S: Id) -> Id {
+        let one = g.constant(1.0);
+        g.select(self.gate, S, one)
+    }
+
+    /// The only state with a non-zero entry of H.
+    pub(super) fn only_state(&self, g: &Graph) -> Option<usize> {
+        let mut seen = (0..self.H.len()).filter(|i| !g.is(self.H[*i], 0.0));
+        let first = seen.next()?;
+        seen.next().is_none().then_some(first)
+    }
+}
+
+/// The recursion on P itself. Only the upper triangle exists, and that alone keeps it symmetric.
+impl Symmetric {
+    fn propagate(&self, g: &mut Graph, F: &[Vec<Id>], Q: &Self) -> Self {
+        let n = self.n();
+        let FP: Vec<Vec<Id>> =
+            (0..n).map(|i| (0..n).map(|j| g.dot((0..n).map(|k| (F[i][k], self.at(k, j))))).collect()).collect();
+        Self::from_fn(n, |i, j| {
+            let propagated = g.dot((0..n).map(|k| (F[j][k], FP[i][k])));
+            g.add(propagated, Q.at(i, j))
+        })
+    }
+
+    /// P H'.
+    fn times(&self, g: &mut Graph, H: &[Id]) -> Vec<Id> {
+        let n = self.n();
+        (0..n).map(|a| g.dot((0..n).map(|b| (H[b], self.at(a, b))))).collect()
+    }
+
+    fn variance(&self, g: &mut Graph, H: &[Id], R: Id) -> Id {
+        let PH = self.times(g, H);
+        let variance = g.dot(H.iter().copied().zip(PH));
+        g.add(variance, R)
+    }
+
+    fn update(&mut self, g: &mut Graph, scalar: &Scalar<'_>) -> Gain {
+        let PH = self.times(g, scalar.H);
+        let S = self.variance(g, scalar.H, scalar.D);
+        let S = scalar.gated(g, S);
+        let inverse = g.div(scalar.gate, S);
+        let K: Vec<Id> = PH.iter().map(|ph| g.mul(*ph, inverse)).collect();
+        let seen = scalar.only_state(g);
+        let shrink = seen.map(|_| {
+            let one = g.constant(1.0);
+            let ratio = g.mul(scalar.D, inverse);
+            g.select(scalar.gate, ratio, one)
+        });
+        let prior = self.clone();
+        *self = Self::from_fn(prior.n(), |i, j| match (seen, shrink) {
+            // Where H sees one state j alone, P_ij - K_i H_j P_jj = P_ij D / S: no cancellation under a diffuse prior.
+            (Some(s), Some(shrink)) if i == s || j == s => g.mul(prior.at(i, j), shrink),
+            _ => {
+                let part = g.mul(K[i], PH[j]);
+                g.sub(prior.at(i, j), part)
+            }
+        });
+        Gain { K, S, inverse }
+    }
+
+    /// By P = L D L'.
+    fn normalised_square(&self, g: &mut Graph, e: &[Id]) -> (Id, Vec<Id>) {
+        let (l, d) = self.ldl(g);
+        let mut sum = g.constant(0.0);
+        let mut solved: Vec<Id> = Vec::with_capacity(e.len());
+        for (i, e) in e.iter().enumerate() {
+            let mut y = *e;
+            for j in 0..i {
+                let part = g.mul(l[i][j], solved[j]);
+                y = g.sub(y, part);
+            }
+            solved.push(y);
+            let square = g.mul(y, y);
+            let term = g.div(square, d[i]);
+            sum = g.add(sum, term);
+        }
+        (sum, d)
+    }
+}

@@ -1,0 +1,94 @@
+//! In which form the covariance is carried, and why.
+
+use super::formula::{self, Scope};
+use super::kalman::{TraceError, Tracer};
+use crate::model::{Parameters, Search};
+use crate::tape::{Calculator, Id, Leaf};
+use std::fmt::{self, Display, Formatter};
+
+/// The form of the covariance that a filter carries.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Form {
+    /// P itself, its upper triangle: the fewest operations.
+    Full,
+    /// The factors of P = U D U' (Bierman 1977): what a diffuse P0 needs in single precision.
+    Factored,
+}
+
+impl Display for Form {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Full => "covariance P",
+            Self::Factored => "factors P = U D U'",
+        })
+    }
+}
+
+impl Form {
+    /// P0 over R above which single precision carries factors: f32 keeps 7 digits, and an update that takes P from P0 down
+    /// to R loses as many as P0/R has, where nll per step is promised to 1e-5.
+    pub const DIFFUSE: f64 = 1e3;
+
+    /// Double precision carries P; single precision does for a P0 up to [`Self::DIFFUSE`] times R, and factors beyond.
+    pub(super) fn choose(tracer: &mut Tracer<'_>) -> Result<Self, TraceError> {
+        let is_diffuse = tracer.nominal.is_some() && diffuseness(tracer)? > Self::DIFFUSE;
+        Ok(if is_diffuse { Self::Factored } else { Self::Full })
+    }
+}
+
+/// The largest P0_ii, times the largest H_ji^2 (which brings it to the unit of the measurements), over the smallest R_jj.
+///
+/// Each over the whole log and over three candidates: every searched parameter at its lower bound, at its start, and at
+/// its upper bound (the range of the first population where there is no bound). That covers formulas that rise or fall in
+/// all of their parameters.
+pub(super) fn diffuseness(tracer: &mut Tracer<'_>) -> Result<f64, TraceError> {
+    let (mut p0, mut h, mut r) = (0.0_f64, 0.0_f64, f64::INFINITY);
+    for candidate in corners(&tracer.problem.parameters) {
+        let (jacobian, _) = tracer.measurement_map(&candidate)?;
+        let (initial, noise) = variances(tracer, &candidate);
+        over_rows(tracer, &initial, |value| p0 = p0.max(value));
+        over_rows(tracer, &noise, |value| r = r.min(value));
+        let entries: Vec<Id> = jacobian.into_iter().flatten().collect();
+        over_rows(tracer, &entries, |value| h = h.max(value * value));
+    }
+    Ok(p0 * h / r.max(0.0))
+}
+
+/// The candidates that the rule looks at.
+fn corners(parameters: &Parameters) -> [Vec<f64>; 3] {
+    let finite = |bound: f64, init: f64| if bound.is_finite() { bound } else { init };
+    let at = |bound: fn(&Search) -> [f64; 2]| {
+        let value = |search: &Search| {
+            let [bound, init] = bound(search);
+            finite(bound, init)
+        };
+        parameters.searched().map(|(_, search)| value(search)).collect()
+    };
+    [at(|s| [s.min, s.init[0]]), parameters.baseline(), at(|s| [s.max, s.init[1]])]
+}
+
+/// Diagonals of P0 and R of a candidate.
+fn variances(tracer: &mut Tracer<'_>, candidate: &[f64]) -> (Vec<Id>, Vec<Id>) {
+    let model = &tracer.problem.model;
+    let parameters = formula::parameters(&mut tracer.g, &tracer.problem.parameters, Some(candidate));
+    let (inputs, dt) = tracer.inputs();
+    let scope = Scope { states: &[], parameters: &parameters, inputs: &inputs, dt };
+    let p0 = tracer.covariance(&model.p0, scope);
+    let r = tracer.covariance(&model.r, scope);
+    let diagonal = |s: &super::symmetric::Symmetric| (0..s.n()).map(|i| s.at(i, i)).collect();
+    (diagonal(&p0), diagonal(&r))
+}
+
+/// Every value that some nodes take over the rows of the log.
+fn over_rows(tracer: &Tracer<'_>, ids: &[Id], mut take: impl FnMut(f64)) {
+    let constant = ids.iter().all(|id| tracer.g.depends(*id).is_constant());
+    let rows = if constant { 1 } else { tracer.rows.spans().last().map_or(0, |s| s.end) };
+    let mut calculator = Calculator::new(&tracer.g, ids);
+    for row in 0..rows {
+        let leaf = |leaf| match leaf {
+            Leaf::Column(c) => tracer.columns.value(c, row),
+            _ => f64::NAN,
+        };
+        calculator.evaluate(leaf).for_each(&mut take);
+    }
+}

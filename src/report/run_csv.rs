@@ -1,0 +1,102 @@
+//! A filter run as CSV: one line a row of the log.
+
+use std::io::Write;
+
+use super::number::exact;
+use crate::data::{Log, Trajectory};
+use crate::model::Problem;
+use crate::reference::Step;
+
+/// Which entries of the posterior covariance are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Covariance {
+    /// The upper triangle, row by row.
+    Triangle,
+    /// The variances.
+    Diagonal,
+}
+
+/// Writes trajectory (where the log has them), time \[s\], posterior states, covariance `P_a_b`, prior innovations
+/// `nu_z`, their variances `S_z`, and `nis`. A cell is empty where nothing was measured; numbers read back bit for bit.
+#[derive(Debug)]
+pub struct RunTable<'a, W: Write> {
+    log: &'a Log,
+    /// Whether trajectories have names.
+    named: bool,
+    /// Entries of P, in order.
+    entries: Vec<(usize, usize)>,
+    table: csv::Writer<W>,
+}
+
+impl<'a, W: Write> RunTable<'a, W> {
+    /// Writes the header.
+    ///
+    /// # Errors
+    /// When `out` cannot be written.
+    pub fn new(problem: &Problem, log: &'a Log, covariance: Covariance, out: W) -> csv::Result<Self> {
+        let named = log.trajectories.iter().any(|t| !t.id.is_empty());
+        let entries = entries(problem.model.states.len(), covariance);
+        let mut table = csv::Writer::from_writer(out);
+        table.write_record(header(problem, named, &entries))?;
+        Ok(Self { log, named, entries, table })
+    }
+
+    /// Writes one row of trajectory number `trajectory`.
+    ///
+    /// # Errors
+    /// When `out` cannot be written.
+    ///
+    /// # Panics
+    /// If the log has no such trajectory.
+    pub fn row(&mut self, trajectory: usize, step: &Step) -> csv::Result<()> {
+        let trajectory = &self.log.trajectories[trajectory];
+        self.table.write_record(row(trajectory, self.named, step, &self.entries))
+    }
+
+    /// Writes what is still buffered.
+    ///
+    /// # Errors
+    /// When `out` cannot be written.
+    pub fn finish(mut self) -> csv::Result<()> {
+        Ok(self.table.flush()?)
+    }
+}
+
+fn entries(n: usize, covariance: Covariance) -> Vec<(usize, usize)> {
+    let last = |i| if covariance == Covariance::Triangle { n } else { i + 1 };
+    (0..n).flat_map(|i| (i..last(i)).map(move |j| (i, j))).collect()
+}
+
+fn header(problem: &Problem, named: bool, entries: &[(usize, usize)]) -> Vec<String> {
+    let states = &problem.model.states;
+    let mut header = Vec::new();
+    header.extend(named.then(|| problem.data.trajectory.clone().unwrap_or_else(|| "trajectory".to_owned())));
+    header.push(problem.data.time.clone().unwrap_or_else(|| "time".to_owned()));
+    header.extend(states.iter().cloned());
+    header.extend(entries.iter().map(|&(i, j)| format!("P_{}_{}", states[i], states[j])));
+    header.extend(problem.model.measurements.iter().map(|z| format!("nu_{z}")));
+    header.extend(problem.model.measurements.iter().map(|z| format!("S_{z}")));
+    header.push("nis".to_owned());
+    header
+}
+
+fn row(trajectory: &Trajectory, named: bool, step: &Step, entries: &[(usize, usize)]) -> Vec<String> {
+    let m = trajectory.z.columns();
+    let mut cells = Vec::with_capacity(3 + step.posterior.x.len() + entries.len() + 2 * m);
+    cells.extend(named.then(|| trajectory.id.clone()));
+    cells.push(exact(step.time));
+    cells.extend(step.posterior.x.iter().map(|x| exact(*x)));
+    cells.extend(entries.iter().map(|&(i, j)| exact(step.posterior.p[(i, j)])));
+    let mut innovations = vec![String::new(); m];
+    let mut variances = vec![String::new(); m];
+    if let Some(update) = &step.update {
+        for (i, &component) in update.present.iter().enumerate() {
+            innovations[component] = exact(update.nu[i]);
+            variances[component] = exact(update.s[(i, i)]);
+        }
+    }
+    cells.extend(innovations);
+    cells.extend(variances);
+    cells.push(step.update.as_ref().map_or_else(String::new, |update| exact(update.nis)));
+    cells
+}

@@ -1,0 +1,116 @@
+//! The report a person reads.
+
+use std::fmt;
+
+use super::{Effort, Gain, Named, Scored, TextTable, Tuning, count, seconds, short, significant};
+use crate::evaluate::Device;
+use crate::study::StopReason;
+
+/// Digits of parameters and objectives.
+const DIGITS: usize = 8;
+
+impl fmt::Display for Tuning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}\n", self.effort)?;
+        writeln!(f, "{}", self.parameter_table())?;
+        writeln!(f, "{}", self.objective_table())?;
+        let gain = match self.matrices.gain {
+            Gain::Steady => "steady gain",
+            Gain::Last => "gain of the last complete measurement",
+        };
+        writeln!(f, "Tuned filter (dt = {} s; K: {gain}):\n{}", short(self.matrices.dt, 6), self.matrices)?;
+        writeln!(f, "Consistency (in-sample): {}", self.consistency)?;
+        writeln!(f, "{}", self.certificate_line())?;
+        if let Some(line) = self.polish_line() {
+            writeln!(f, "{line}")?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for Effort {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { log, device, .. } = self;
+        write!(f, "{}: {}, {} rows", self.problem, log.source, count(log.rows as u64))?;
+        if log.trajectories > 1 {
+            write!(f, " in {} trajectories", log.trajectories)?;
+        }
+        let (evaluations, generations) = (count(self.evaluations), count(self.generations as u64));
+        write!(f, "\n{}, seed {}: {evaluations} evaluations in {generations} generations", self.algorithm, self.seed)?;
+        let Device { backend, adapter, precision } = device;
+        write!(f, ", {} on {backend} ({adapter}, {precision})", seconds(self.wall_s))?;
+        write!(f, "\nstopped: {}", ended(self.stop))
+    }
+}
+
+const fn ended(stop: StopReason) -> &'static str {
+    match stop {
+        StopReason::Generations => "all generations are done",
+        StopReason::Evaluations => "no more evaluations are allowed",
+        StopReason::WallTime => "the time allowed is over",
+        StopReason::Stall => "no gain for as many generations as allowed",
+        StopReason::Target => "the target is reached",
+        StopReason::Interrupted => "interrupted; this is the best so far",
+    }
+}
+
+impl Tuning {
+    fn parameter_table(&self) -> TextTable {
+        let mut table = TextTable::new(["parameter", "unit", "baseline", "tuned", "note"]);
+        for (name, tuned) in self.parameters.iter() {
+            let bound = self.at_bound.get(name).map(|bound| format!("at its {bound} bound"));
+            let truth = self.simulated_with.get(name).map(|truth| format!("simulated with {}", short(*truth, DIGITS)));
+            let note = [bound, truth].into_iter().flatten().collect::<Vec<_>>().join("; ");
+            let unit = self.effort.units.get(name).cloned().flatten().unwrap_or_default();
+            let baseline = self.effort.baseline.parameters.get(name).map_or_else(String::new, |v| short(*v, DIGITS));
+            table.push([name.to_owned(), unit, baseline, short(*tuned, DIGITS), note]);
+        }
+        table
+    }
+
+    fn objective_table(&self) -> TextTable {
+        let mut table = TextTable::new(["objective, in-sample, f64", "baseline", "tuned", "raw measurements"]);
+        for (name, tuned) in self.objectives.iter() {
+            let baseline = self.effort.baseline.objective(name);
+            let raw = self.raw_measurements.get(name).map_or_else(String::new, |v| significant(*v, DIGITS));
+            let cell = |value: Option<f64>| value.map_or_else(|| "failed".to_owned(), |v| significant(v, DIGITS));
+            table.push([name.to_owned(), cell(baseline), significant(*tuned, DIGITS), raw]);
+            if name == "nll" {
+                let rows = self.measured_rows.max(1) as f64;
+                let per_row = [cell(baseline.map(|v| v / rows)), significant(tuned / rows, DIGITS)];
+                let [baseline, tuned] = per_row;
+                table.push(["nll per measured row".to_owned(), baseline, tuned, String::new()]);
+            }
+        }
+        table
+    }
+
+    fn certificate_line(&self) -> String {
+        let certificate = &self.certificate;
+        let order = if certificate.order_held { "kept their order" } else { "changed their order" };
+        format!(
+            "Certificate: the f64 reference differs from the search by at most {} (relative), and the {} best candidates \
+             {order}.",
+            significant(certificate.largest_relative_gap, 2),
+            certificate.candidates,
+        )
+    }
+
+    fn polish_line(&self) -> Option<String> {
+        let polish = self.polish.as_ref()?;
+        let (name, before) = polish.before.iter().next()?;
+        let after = polish.after.get(name)?;
+        Some(format!(
+            "Polish: {} evaluations took {name} from {} to {}.",
+            polish.evaluations,
+            significant(*before, DIGITS + 2),
+            significant(*after, DIGITS + 2),
+        ))
+    }
+}
+
+impl Scored {
+    fn objective(&self, name: &str) -> Option<f64> {
+        self.objectives.as_ref().and_then(|objectives: &Named<f64>| objectives.get(name).copied())
+    }
+}

@@ -1,0 +1,92 @@
+//! What a user should look at in the result of a study.
+
+use std::fmt;
+
+use super::{Tuning, count, significant};
+
+/// Relative difference between search and reference above which single precision is worth a warning: ten times what is
+/// promised of it.
+const LARGE_GAP: f64 = 1e-4;
+
+/// A reason to look twice, with what to do about it.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Warning {
+    /// The winner's first objective is not below the baseline's.
+    NoGain,
+    /// Candidates failed.
+    Failures {
+        /// How many.
+        failed: u64,
+        /// Of how many.
+        evaluations: u64,
+    },
+    /// Reference and search rank the best candidates differently.
+    OrderChanged {
+        /// `f64` or `f32`, of the search.
+        precision: String,
+    },
+    /// Reference and search differ by more than single precision should cost.
+    LargeGap {
+        /// Relative difference.
+        gap: f64,
+        /// `f64` or `f32`, of the search.
+        precision: String,
+    },
+}
+
+impl Warning {
+    /// All that a result gives reason for.
+    #[must_use]
+    pub fn of(tuning: &Tuning) -> Vec<Self> {
+        let Tuning { effort, certificate, .. } = tuning;
+        let precision = &effort.device.precision;
+        let (evaluations, failed) = (effort.evaluations, effort.failed);
+        let gap = certificate.largest_relative_gap;
+        [
+            (!gains(tuning)).then_some(Self::NoGain),
+            (failed > 0).then_some(Self::Failures { failed, evaluations }),
+            (!certificate.order_held).then(|| Self::OrderChanged { precision: precision.clone() }),
+            (gap > LARGE_GAP).then(|| Self::LargeGap { gap, precision: precision.clone() }),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+}
+
+/// Whether the first objective is below the baseline's, where that has one.
+fn gains(Tuning { effort, objectives, .. }: &Tuning) -> bool {
+    let Some((name, tuned)) = objectives.iter().next() else { return true };
+    let baseline = effort.baseline.objectives.as_ref().and_then(|o| o.get(name));
+    baseline.is_none_or(|baseline| tuned < baseline)
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let remedy =
+            |precision: &str| if precision == "f32" { "search with --precision f64" } else { "check the model" };
+        match self {
+            Self::NoGain => f.write_str(
+                "the tuned parameters are no better than the baseline (search longer, or with the start values in it)",
+            ),
+            Self::Failures { failed, evaluations } => write!(
+                f,
+                "{} of {} evaluations failed, because a covariance was not positive or a cost not finite (narrow the \
+                 bounds if there are many)",
+                count(*failed),
+                count(*evaluations)
+            ),
+            Self::OrderChanged { precision } => write!(
+                f,
+                "the f64 reference ranks the best candidates differently from the {precision} search ({})",
+                remedy(precision)
+            ),
+            Self::LargeGap { gap, precision } => write!(
+                f,
+                "costs of the {precision} search are off by up to {} (relative) from the f64 reference ({})",
+                significant(*gap, 2),
+                remedy(precision)
+            ),
+        }
+    }
+}

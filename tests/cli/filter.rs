@@ -1,0 +1,120 @@
+//! `kfgpu filter`, `simulate`, `init`, `tape`.
+
+use crate::command::Folder;
+
+#[test]
+fn the_table_has_a_row_for_every_row_of_the_log() {
+    let folder = Folder::with_level();
+    let finished = folder.run(&["filter", "problem.toml"]).expect(0);
+    let table = finished.table();
+    assert_eq!(table[0], ["t", "x", "P_x_x", "nu_z", "S_z", "nis"]);
+    assert_eq!(table.len(), 61);
+    let first: Vec<f64> = table[1].iter().map(|cell| cell.parse().unwrap()).collect();
+    // One update from x0 = 0, P0 = 1e4 by z = -2.4 with R = 50: the textbook's scalar formulas.
+    let (s, nu) = (1e4 + 50.0, -2.4);
+    let expected = [0.0, nu * 1e4 / s, 1e4 * 50.0 / s, nu, s, nu * nu / s];
+    for (value, expected) in first.iter().zip(expected) {
+        assert!((value - expected).abs() <= 1e-12 * expected.abs(), "{first:?}");
+    }
+    assert!(finished.stderr.contains("60 rows"), "{}", finished.stderr);
+}
+
+#[test]
+fn missing_values_leave_their_cells_empty() {
+    let folder = Folder::with_level();
+    folder.write("log.csv", "t,z\n0,1\n1,\n2,3\n");
+    let table = folder.run(&["filter", "problem.toml", "--quiet"]).expect(0).table();
+    assert_eq!(table[2][3..], ["", "", ""]);
+    assert_ne!(table[3][3], "");
+}
+
+#[test]
+fn quiet_says_nothing_on_stderr() {
+    let finished = Folder::with_level().run(&["filter", "problem.toml", "--quiet"]).expect(0);
+    assert_eq!(finished.stderr, "");
+}
+
+#[test]
+fn a_file_is_written_whole_and_json_goes_to_stdout() {
+    let folder = Folder::with_level();
+    let json = folder.run(&["filter", "problem.toml", "--json", "--out", "run.csv"]).expect(0).json();
+    assert_eq!(folder.read("run.csv").lines().count(), 61);
+    assert!(json["objectives"]["nll"].is_f64(), "{json}");
+    assert!(json["consistency"]["nis_mean"].is_f64(), "{json}");
+    assert_eq!(json["parameters"]["r"], 50.0);
+    assert_eq!(folder.names(""), ["log.csv", "problem.toml", "run.csv"], "no temporary file is left");
+}
+
+#[test]
+fn starts_of_another_problem_file_are_used() {
+    let folder = Folder::with_level();
+    folder.write("other.toml", folder.read("problem.toml").replace("start = 50", "start = 5"));
+    let json = folder.run(&["filter", "problem.toml", "--parameters", "other.toml", "--json"]).expect(0).json();
+    assert_eq!(json["parameters"]["r"], 5.0);
+
+    let renamed = folder.read("problem.toml").replace("r = {", "noise = {").replace("\"r\"", "\"noise\"");
+    folder.write("other.toml", renamed);
+    let message = folder.run(&["filter", "problem.toml", "--parameters", "other.toml"]).refusal();
+    assert!(message.contains("`r`"), "{message}");
+}
+
+#[test]
+fn a_log_comes_through_a_pipe() {
+    let folder = Folder::with_level();
+    let file = folder.run(&["filter", "problem.toml", "--quiet"]).expect(0);
+    let pipe = folder.run_with_input(&["filter", "problem.toml", "--quiet", "--data", "-"], folder.read("log.csv"));
+    assert_eq!(pipe.expect(0).stdout, file.stdout);
+}
+
+#[test]
+fn a_reader_that_leaves_early_is_no_error() {
+    let folder = Folder::with_level();
+    folder.write("log.csv", crate::command::level_log(20_000));
+    let mut child = folder.spawn(&["filter", "problem.toml", "--quiet"]);
+    drop(child.stdout.take());
+    let finished = crate::command::Finished::from(child.wait_with_output().unwrap()).expect(0);
+    assert_eq!(finished.stderr, "");
+}
+
+#[test]
+fn a_table_cannot_be_written_over_a_folder() {
+    let message = Folder::with_level().run(&["filter", "problem.toml", "--out", "."]).refusal();
+    assert!(message.contains("folder"), "{message}");
+}
+
+#[test]
+fn the_tape_and_its_counts() {
+    let finished = Folder::with_level().run(&["tape", "problem.toml", "--quiet"]).expect(0);
+    assert!(finished.stdout.contains("operations"), "{}", finished.stdout);
+}
+
+#[test]
+fn a_drafted_problem_runs() {
+    let folder = Folder::with_level();
+    let text = folder.run(&["init", "log.csv"]).expect(0).stdout;
+    folder.run(&["init", "log.csv", "--out", "new.toml"]).expect(0);
+    assert_eq!(folder.read("new.toml").trim_end(), text.trim_end());
+    folder.run(&["tune", "new.toml", "--population", "8", "--generations", "2"]).expect(0);
+
+    let message = folder.run(&["init", "log.csv", "--out", "new.toml"]).refusal();
+    assert!(message.contains("--force"), "{message}");
+    folder.run(&["init", "log.csv", "--out", "new.toml", "--force"]).expect(0);
+    let message = folder.run(&["init", "nowhere.csv"]).refusal();
+    assert!(message.contains("nowhere.csv"), "{message}");
+}
+
+#[test]
+fn a_simulated_log_has_a_seed() {
+    let folder = Folder::with_level();
+    let simulated = folder.read("problem.toml").replace("file = \"log.csv\"\n", "")
+        + "\n[simulate]\nsteps = 30\ndt = 1.0\nparameters = { q = 0.5, r = 4.0 }\nx0 = [3]\nseed = 1\n";
+    folder.write("sim.toml", simulated);
+    let one = folder.run(&["simulate", "sim.toml"]).expect(0).stdout;
+    assert_eq!(one.lines().count(), 32, "{one}");
+    assert_eq!(folder.run(&["simulate", "sim.toml", "--seed", "1"]).expect(0).stdout, one);
+    assert_ne!(folder.run(&["simulate", "sim.toml", "--seed", "2"]).expect(0).stdout, one);
+    folder.run(&["simulate", "sim.toml", "--out", "sim.csv"]).expect(0);
+    assert_eq!(folder.read("sim.csv"), one);
+    let message = folder.run(&["simulate", "problem.toml"]).refusal();
+    assert!(message.contains("simulate"), "{message}");
+}

@@ -1,0 +1,12 @@
+//! The binary, through every verb and exit code.
+#![expect(clippy::float_cmp, reason = "the same bits are promised")]
+#![expect(clippy::unwrap_used, reason = "a helper that fails fails its test")]
+#![expect(clippy::missing_assert_message, reason = "the values compared say it")]
+
+mod bad_input;
+mod bench;
+mod command;
+mod evaluate;
+mod examples;
+mod filter;
+mod tune;

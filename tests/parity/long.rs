@@ -1,0 +1,56 @@
+//! Long logs: sums in blocks stay exact enough, and memory does not grow with T beyond the log.
+
+use crate::case::{Case, INNOVATIONS, Single, Text};
+use crate::logs::{Gap, Interval, Shape};
+use crate::{double, evaluate, single, worst};
+use kfgpu::evaluate::Precision;
+use kfgpu::filter::trace;
+
+fn cv(objectives: &'static str) -> Text<'static> {
+    Text {
+        measurements: &["x", "y", "z"],
+        model: "kind = \"constant-velocity\"\naxes = [\"x\", \"y\", \"z\"]\nq = \"q\"\nR = [\"r\", \"r\", \"r\"]\nx0 = [0, 0, 0, 0, 0, 0]\nP0 = [10, 10, 10, 10, 10, 10]",
+        objectives,
+        ..Text::BASIC
+    }
+}
+
+const LEVEL: Text<'static> = Text {
+    model: "kind = \"local-level\"\naxes = [\"x\"]\nq = \"q\"\nR = [\"r\"]\nx0 = [0]\nP0 = [10]",
+    ..Text::BASIC
+};
+
+#[test]
+fn seventy_thousand_rows() {
+    let case = Case::new("70,000 rows", &LEVEL, Shape::regular(&[70_000]).without(&[Gap::Components(0.1)]), 9);
+    let costs = case.reference();
+    for (precision, promise) in [(Precision::F64, double as fn(&Case, _, _) -> _), (Precision::F32, single)] {
+        let error = worst(&case, &costs, &evaluate(&case, precision), promise);
+        println!("{} {precision}: {error:.1e} of the promise", case.name);
+        assert!(error < 1.0, "{precision}: {error:.2e} times the promise");
+    }
+    assert_eq!(case.single, Single::Promised, "in single precision too");
+}
+
+/// (columns a row, constants, carried) of a program.
+fn sizes(text: &Text<'_>, shape: Shape) -> (usize, usize, usize) {
+    let case = Case::new("sizes", text, shape, 1);
+    let program = trace(&case.problem, &case.log, &case.problem.tune.objectives, None).unwrap();
+    assert_eq!(program.record.len(), program.columns * case.log.rows(), "the record is columns x rows");
+    (program.columns, program.constants.len(), program.carried.len())
+}
+
+#[test]
+fn a_record_holds_only_what_changes_from_row_to_row() {
+    let nll = cv("[\"nll\"]");
+    let short = sizes(&nll, Shape::regular(&[50]));
+    assert_eq!(short, sizes(&nll, Shape::regular(&[5000])), "sizes do not depend on T");
+    assert_eq!(short.0, 3, "three measurements a row; dt, weights and masks are folded");
+    assert_eq!(short.2, 6 + 3 + 1 + 1, "x, P of the one axis that stands for all, sum NIS, det S");
+    let gaps = sizes(&nll, Shape::regular(&[50]).without(&[Gap::Rows(0.3)]));
+    assert_eq!(gaps.0, 3 + 1, "and one mask where whole rows are missing");
+    let all = sizes(&cv(INNOVATIONS), Shape::regular(&[50]));
+    assert_eq!(all.0, 3 + 1, "and one weight for the window of mismatch");
+    let irregular = sizes(&LEVEL, Shape::regular(&[50]).every(Interval::Irregular(1.0)));
+    assert_eq!(irregular.0, 3, "z, dt and the window");
+}

@@ -117,7 +117,10 @@ pub(super) fn choose(wanted: Option<&str>) -> Result<(AdapterInfo, wgpu::Adapter
     let place = match wanted {
         Some(wanted) => {
             let lower = wanted.to_lowercase();
-            let place = found.iter().position(|(info, _)| info.name.to_lowercase().contains(&lower));
+            let named =
+                |fits: &dyn Fn(&str) -> bool| found.iter().position(|(info, _)| fits(&info.name.to_lowercase()));
+            // A whole name first: one adapter's may be the beginning of another's.
+            let place = named(&|name| name == lower).or_else(|| named(&|name| name.contains(&lower)));
             place.ok_or_else(|| {
                 let known: Vec<String> = found.iter().map(|(info, _)| format!("`{}`", info.name)).collect();
                 if known.is_empty() {

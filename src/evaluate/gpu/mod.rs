@@ -15,13 +15,13 @@ pub use shader::assemble;
 use super::cpu::{self, CpuEvaluator};
 use super::{BuildError, CpuOptions, Device, Evaluation, Evaluator, Population, Precision};
 use crate::data::Log;
-use crate::filter::trace;
+use crate::filter::{Program, trace};
 use crate::model::Problem;
 use crate::objective::Objective;
 use crate::tape::wgsl::WgslError;
 use device::Gpu;
 use kernel::Kernel;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// How the GPU evaluator runs.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -84,6 +84,7 @@ pub struct GpuEvaluator {
     failure: Option<GpuFailure>,
     on_failure: Option<Box<dyn FnMut(&str) + Send>>,
     kernel_time: Option<Duration>,
+    kernel_build_time: Duration,
 }
 
 impl std::fmt::Debug for GpuEvaluator {
@@ -120,10 +121,21 @@ impl GpuEvaluator {
             Precision::F64 => None,
         };
         let program = trace(problem, log, objectives, nominal).map_err(BuildError::from)?;
+        let start = Instant::now();
         let kernel = Kernel::new(&gpu, &program, options, &problem.parameters.baseline())?;
+        let kernel_build_time = start.elapsed();
         let cpu_options = CpuOptions { precision: options.precision, threads: None };
         let cpu = CpuEvaluator::of_program(program, cpu_options);
-        Ok(Self { gpu, kernel, cpu, precision: options.precision, failure: None, on_failure: None, kernel_time: None })
+        Ok(Self {
+            gpu,
+            kernel,
+            cpu,
+            precision: options.precision,
+            failure: None,
+            on_failure: None,
+            kernel_time: None,
+            kernel_build_time,
+        })
     }
 
     /// Calls `notice` once, with a sentence, if the GPU fails and the CPU goes on.
@@ -141,6 +153,19 @@ impl GpuEvaluator {
     #[must_use]
     pub const fn kernel_time(&self) -> Option<Duration> {
         self.kernel_time
+    }
+
+    /// Time to assemble the shader, create its pipeline and upload the record. A driver may compile only at the first
+    /// dispatch, in the first evaluation's time.
+    #[must_use]
+    pub const fn kernel_build_time(&self) -> Duration {
+        self.kernel_build_time
+    }
+
+    /// The program that the kernel runs.
+    #[must_use]
+    pub const fn program(&self) -> &Program {
+        self.cpu.program()
     }
 
     /// Why the CPU has taken over, if it has.

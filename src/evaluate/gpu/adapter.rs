@@ -21,6 +21,8 @@ pub struct AdapterInfo {
     pub max_binding: u64,
     /// Largest buffer [bytes].
     pub max_buffer: u64,
+    /// Largest uniform buffer a kernel can bind [bytes].
+    pub max_uniform: u64,
 }
 
 impl AdapterInfo {
@@ -94,6 +96,7 @@ fn info(adapter: &wgpu::Adapter) -> AdapterInfo {
         timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
         max_binding: limits.max_storage_buffer_binding_size.into(),
         max_buffer: limits.max_buffer_size,
+        max_uniform: limits.max_uniform_buffer_binding_size.into(),
     }
 }
 

@@ -21,6 +21,7 @@ use crate::objective::Objective;
 use crate::tape::wgsl::WgslError;
 use device::Gpu;
 use kernel::Kernel;
+use std::num::NonZero;
 use std::time::{Duration, Instant};
 
 /// How the GPU evaluator runs.
@@ -34,11 +35,13 @@ pub struct GpuOptions {
     pub largest_part: Option<usize>,
     /// Whether kernels are timed (where the adapter can).
     pub timed: bool,
+    /// Threads of the CPU that goes on when the GPU fails; `None` = one a core. It never changes a result.
+    pub threads: Option<NonZero<usize>>,
 }
 
 impl Default for GpuOptions {
     fn default() -> Self {
-        Self { precision: Precision::F32, adapter: None, largest_part: None, timed: false }
+        Self { precision: Precision::F32, adapter: None, largest_part: None, timed: false, threads: None }
     }
 }
 
@@ -124,7 +127,7 @@ impl GpuEvaluator {
         let start = Instant::now();
         let kernel = Kernel::new(&gpu, &program, options, &problem.parameters.baseline())?;
         let kernel_build_time = start.elapsed();
-        let cpu_options = CpuOptions { precision: options.precision, threads: None };
+        let cpu_options = CpuOptions { precision: options.precision, threads: options.threads };
         let cpu = CpuEvaluator::of_program(program, cpu_options);
         Ok(Self {
             gpu,

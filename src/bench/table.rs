@@ -12,7 +12,7 @@ impl Display for Comparison {
         writeln!(
             f,
             "\n{:<16}  {:<6}  {:>12}  {:>14}  {:>12}  {:>14}  {:>9}  on",
-            "device", "format", "evaluation s", "filter-steps/s", "kernels s", "filter-steps/s", "GFLOP/s"
+            "device", "format", "evaluation s", "filter-steps/s", "kernels s", "kernel steps/s", "GFLOP/s"
         )?;
         self.measurements.iter().try_for_each(|report| row(f, report))?;
         for crossover in &self.crossover {

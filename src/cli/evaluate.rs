@@ -111,11 +111,7 @@ impl Evaluate {
 }
 
 /// Answers batch by batch; each answer is flushed, because whoever asked may be waiting for it.
-fn answer(
-    candidates: &mut Candidates<impl Read>,
-    evaluator: &mut dyn Evaluator,
-    names: &[&str],
-) -> anyhow::Result<()> {
+fn answer(candidates: &mut Candidates<impl Read>, evaluator: &mut dyn Evaluator, names: &[&str]) -> anyhow::Result<()> {
     let mut out = io::BufWriter::new(io::stdout().lock());
     writeln!(out, "{},status", names.join(","))?;
     out.flush()?;

@@ -30,8 +30,13 @@ pub(super) fn build(
             Ok(Some(Box::new(evaluator)))
         }
         Err(GpuError::Adapter(AdapterError::None | AdapterError::OnlySoftware { .. })) if !asked => Ok(None),
-        Err(error @ (GpuError::Adapter(AdapterError::NoF64 { .. } | AdapterError::Refused { .. })
-            | GpuError::Wgsl(_) | GpuError::TooWide { .. } | GpuError::Refused { .. })) => {
+        Err(
+            error @ (GpuError::Adapter(AdapterError::NoF64 { .. } | AdapterError::Refused { .. })
+            | GpuError::Wgsl(_)
+            | GpuError::TooWide { .. }
+            | GpuError::TooLong { .. }
+            | GpuError::Refused { .. }),
+        ) => {
             let format = Precision::from(compute.precision);
             notices.warn(&format!("{}: computing on the CPU in {format}", reason(&error)));
             Ok(None)

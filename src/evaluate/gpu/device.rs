@@ -1,6 +1,7 @@
 //! An opened adapter: buffers, pipelines and submissions, every error a value.
 
 use super::adapter::{AdapterError, AdapterInfo, choose};
+use super::layout::Layout;
 use crate::evaluate::Precision;
 use std::sync::mpsc;
 use std::time::Duration;
@@ -27,6 +28,11 @@ impl Gpu {
             return Err(AdapterError::NoF64 { name: info.name });
         }
         let limits = adapter.limits();
+        let uniform = u64::from(limits.max_uniform_buffer_binding_size);
+        if uniform < 16 * Layout::RECORD as u64 {
+            let reason = format!("it binds uniforms of {uniform} bytes, a kernel needs {}", 16 * Layout::RECORD);
+            return Err(AdapterError::Refused { name: info.name, reason });
+        }
         let wished = wgpu::Features::SHADER_F64 | wgpu::Features::TIMESTAMP_QUERY;
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("kfgpu"),
@@ -72,6 +78,9 @@ impl Gpu {
         bytes: u64,
         take: impl FnOnce(&[u8]) -> T,
     ) -> Result<T, GpuFailure> {
+        if bytes == 0 {
+            return Ok(take(&[]));
+        }
         let (sender, receiver) = mpsc::channel();
         let slice = buffer.slice(0..bytes);
         slice.map_async(wgpu::MapMode::Read, move |result| {

@@ -1,15 +1,14 @@
 //! A compiled kernel with its buffers: dispatches chunks and reads totals back.
 
-use super::GpuError;
-use super::GpuOptions;
+use super::clock::Clock;
 use super::device::{Gpu, GpuFailure};
 use super::layout::{self, Header, Layout};
 use super::totals::{Totals, join};
-use super::{prologue, shader};
+use super::{GpuError, GpuOptions, prologue, shader};
 use crate::evaluate::{Evaluation, Population, Precision};
 use crate::filter::Program;
 use std::time::Duration;
-use wgpu::BufferUsages as Usage;
+use wgpu::{BufferUsages as Usage, Limits};
 
 /// Invocations a workgroup, as in the shader.
 const WORKGROUP: usize = 64;
@@ -43,23 +42,17 @@ struct Buffers {
     group: wgpu::BindGroup,
 }
 
-/// Two timestamps around the kernels.
-struct Clock {
-    queries: wgpu::QuerySet,
-    resolved: wgpu::Buffer,
-    staging: wgpu::Buffer,
-}
-
 impl Kernel {
     /// Assembles, validates and compiles the kernel, and uploads the record.
     pub(super) fn new(gpu: &Gpu, program: &Program, options: &GpuOptions, baseline: &[f64]) -> Result<Self, GpuError> {
         let precision = options.precision;
         let layout = Layout::new(program, precision);
-        if !layout.fits() {
-            let limit = Layout::RECORD / Program::BLOCK * Layout::width(precision);
-            return Err(GpuError::TooWide { columns: program.columns, limit });
-        }
         let source = shader::assemble(program, precision)?;
+        let (record_bytes, limit) = (record_bytes(gpu, &layout), gpu.limits.max_buffer_size.min(u32::MAX.into()));
+        if record_bytes > limit {
+            return Err(GpuError::TooLong { bytes: record_bytes, limit });
+        }
+        let largest_part = largest_part(gpu, program, &layout, options)?;
         let refused = |f: GpuFailure| GpuError::Refused { adapter: gpu.info.name.clone(), reason: f.0 };
         let (pipeline, bindings) = gpu.guarded(|| compile(gpu, source, &layout)).map_err(refused)?;
         let (record, offsets) = gpu.guarded(|| upload_record(gpu, program, &layout, precision)).map_err(refused)?;
@@ -67,7 +60,7 @@ impl Kernel {
             program.spans.iter().map(|span| layout::bytes(prologue::starts(program, span, baseline), precision));
         let clock = (options.timed && gpu.info.timestamps).then(|| Clock::new(gpu));
         Ok(Self {
-            largest_part: largest_part(gpu, program, &layout, options),
+            largest_part,
             starts: starts.collect(),
             layout,
             precision,
@@ -164,7 +157,7 @@ impl Kernel {
         let last = submissions.len().saturating_sub(1);
         for (s, chunks) in submissions.enumerate() {
             let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            let timestamps = self.clock.as_ref().map(|clock| clock.writes(s == 0, s == last));
+            let timestamps = self.clock.as_ref().and_then(|clock| clock.writes(s == 0, s == last));
             let descriptor = wgpu::ComputePassDescriptor { label: None, timestamp_writes: timestamps };
             let mut pass = encoder.begin_compute_pass(&descriptor);
             pass.set_pipeline(&self.pipeline);
@@ -220,15 +213,31 @@ const fn size(precision: Precision) -> usize {
     }
 }
 
+/// Bytes of one part's largest buffer: more would not be faster, and every part also takes memory on the host.
+const LARGEST_BUFFER: u64 = 512 << 20;
+
 /// Candidates that one part may have: by storage bindings, buffers and the number of workgroups.
-fn largest_part(gpu: &Gpu, program: &Program, layout: &Layout, options: &GpuOptions) -> usize {
+fn largest_part(gpu: &Gpu, program: &Program, layout: &Layout, options: &GpuOptions) -> Result<usize, GpuError> {
     let rows =
         prologue::rows(program, layout).max(program.carried.len()).max(layout.chunks.len() * layout.totals_a_chunk);
-    let bytes = u64::from(gpu.limits.max_storage_buffer_binding_size).min(gpu.limits.max_buffer_size);
-    let by_memory = usize::try_from(bytes).unwrap_or(usize::MAX) / (rows.max(1) * size(options.precision));
-    let by_groups = gpu.limits.max_compute_workgroups_per_dimension as usize * WORKGROUP;
-    let limit = by_memory.min(by_groups).min(options.largest_part.unwrap_or(usize::MAX));
-    (limit / WORKGROUP * WORKGROUP).max(WORKGROUP)
+    let Limits { max_buffer_size, max_storage_buffer_binding_size, .. } = gpu.limits;
+    let limit = max_buffer_size.min(max_storage_buffer_binding_size.into());
+    let candidate = (rows.max(1) * size(options.precision)) as u64;
+    let by_memory = usize::try_from(limit.min(LARGEST_BUFFER) / candidate).unwrap_or(usize::MAX);
+    if by_memory < WORKGROUP {
+        return Err(GpuError::TooLong { bytes: WORKGROUP as u64 * candidate, limit });
+    }
+    let by_groups = (gpu.limits.max_compute_workgroups_per_dimension as usize).saturating_mul(WORKGROUP);
+    let part = by_memory.min(by_groups).min(options.largest_part.unwrap_or(usize::MAX));
+    Ok((part / WORKGROUP * WORKGROUP).max(WORKGROUP))
+}
+
+/// Bytes of the record of all chunks, as [`upload_record`] lays them out.
+fn record_bytes(gpu: &Gpu, layout: &Layout) -> u64 {
+    let alignment = u64::from(gpu.limits.min_uniform_buffer_offset_alignment.max(16));
+    let bytes = |chunk: &layout::Chunk| 16 * (chunk.rows.len() * layout.packs_a_row) as u64;
+    let chunks: u64 = layout.chunks.iter().map(|chunk| bytes(chunk).next_multiple_of(alignment)).sum();
+    chunks + 16 * Layout::RECORD as u64
 }
 
 fn compile(gpu: &Gpu, source: String, layout: &Layout) -> (wgpu::ComputePipeline, wgpu::BindGroupLayout) {
@@ -285,40 +294,4 @@ fn upload_record(gpu: &Gpu, program: &Program, layout: &Layout, precision: Preci
     let buffer = gpu.buffer("record", data.len() as u64, Usage::UNIFORM | Usage::COPY_DST);
     gpu.queue.write_buffer(&buffer, 0, &data);
     (buffer, offsets)
-}
-
-impl Clock {
-    fn new(gpu: &Gpu) -> Self {
-        let queries = gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
-            label: None,
-            ty: wgpu::QueryType::Timestamp,
-            count: 2,
-        });
-        let resolved = gpu.buffer("timestamps", 16, Usage::QUERY_RESOLVE | Usage::COPY_SRC);
-        let staging = gpu.buffer("timestamps, read back", 16, Usage::MAP_READ | Usage::COPY_DST);
-        Self { queries, resolved, staging }
-    }
-
-    fn writes(&self, first: bool, last: bool) -> wgpu::ComputePassTimestampWrites<'_> {
-        wgpu::ComputePassTimestampWrites {
-            query_set: &self.queries,
-            beginning_of_pass_write_index: first.then_some(0),
-            end_of_pass_write_index: last.then_some(1),
-        }
-    }
-
-    fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
-        encoder.resolve_query_set(&self.queries, 0..2, &self.resolved, 0);
-        encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.staging, 0, 16);
-    }
-
-    fn read(&self, gpu: &Gpu) -> Result<Duration, GpuFailure> {
-        let [begin, end] = gpu.read(&self.staging, 16, |bytes| {
-            let tick = |i: usize| u64::from_ne_bytes(bytes[8 * i..8 * i + 8].try_into().unwrap_or_default());
-            [tick(0), tick(1)]
-        })?;
-        #[expect(clippy::cast_precision_loss, reason = "a kernel takes far fewer than 2^53 ticks")]
-        let nanoseconds = end.saturating_sub(begin) as f64 * f64::from(gpu.queue.get_timestamp_period());
-        Ok(Duration::from_secs_f64(nanoseconds * 1e-9))
-    }
 }

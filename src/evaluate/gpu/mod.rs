@@ -1,6 +1,7 @@
 //! The GPU evaluator: the same tape as WGSL, one candidate an invocation.
 
 mod adapter;
+mod clock;
 mod device;
 mod kernel;
 mod layout;
@@ -65,6 +66,14 @@ pub enum GpuError {
         columns: usize,
         /// What fits.
         limit: usize,
+    },
+    /// The log is longer than a buffer can hold.
+    #[error("the log takes a buffer of {bytes} bytes, the adapter holds {limit}: use --device cpu")]
+    TooLong {
+        /// Bytes needed.
+        bytes: u64,
+        /// What fits.
+        limit: u64,
     },
     /// The driver refuses the kernel.
     #[error(

@@ -1,5 +1,6 @@
 //! The kernel of a program: the skeleton of `shaders/filter.wgsl` with the traced step printed into it.
 
+use super::GpuError;
 use super::layout::Layout;
 use crate::evaluate::Precision;
 use crate::filter::{Program, Role};
@@ -12,9 +13,13 @@ const SKELETON: &str = include_str!("../../../shaders/filter.wgsl");
 /// Assembles the WGSL of a program.
 ///
 /// # Errors
-/// If the step needs a function that the number format lacks.
-pub fn assemble(program: &Program, precision: Precision) -> Result<String, WgslError> {
+/// If the step needs a function that the number format lacks, or a row of the record is too wide for a kernel.
+pub fn assemble(program: &Program, precision: Precision) -> Result<String, GpuError> {
     let layout = Layout::new(program, precision);
+    if !layout.fits() {
+        let limit = Layout::RECORD / Program::BLOCK * Layout::width(precision);
+        return Err(GpuError::TooWide { columns: program.columns, limit });
+    }
     let (step, result) = step(program, precision)?;
     let parts = Parts { program, precision, layout: &layout };
     let mut text = String::with_capacity(SKELETON.len() + 2 * step.len());

@@ -21,7 +21,9 @@ fn one_json_line_with_the_harness_fields() {
 #[test]
 fn a_problem_file_is_measured_too() {
     let folder = Folder::with_level();
-    let finished = folder.run(&["bench", "problem.toml", "--n", "32", "--repetitions", "1", "--quiet"]).expect(0);
+    let finished = folder
+        .run(&["bench", "problem.toml", "--n", "32", "--repetitions", "1", "--device", "cpu", "--quiet"])
+        .expect(0);
     assert!(finished.stdout.contains("filter-steps/s"), "{}", finished.stdout);
     assert_eq!(finished.stderr, "");
 }
@@ -70,4 +72,65 @@ fn wrong_use() {
         assert_eq!(finished.stdout, "", "{arguments:?}");
         assert!(finished.stderr.starts_with("error: "), "{arguments:?}: {}", finished.stderr);
     }
+}
+
+/// Name and kind of the adapter to measure: the first. `KFGPU_TEST_GPU` as in tests/gpu.
+#[cfg(feature = "gpu")]
+fn adapter() -> Option<kfgpu::evaluate::gpu::AdapterInfo> {
+    use std::io::Write as _;
+    let policy = std::env::var("KFGPU_TEST_GPU").unwrap_or_default();
+    let found = kfgpu::evaluate::gpu::adapters().into_iter().next().filter(|_| policy != "off");
+    assert!(found.is_some() || policy != "require", "KFGPU_TEST_GPU=require and there is no adapter");
+    if found.is_none() {
+        let _ = writeln!(std::io::stderr(), "SKIPPED, no GPU adapter to measure");
+    }
+    found
+}
+
+#[cfg(feature = "gpu")]
+#[test]
+fn an_adapter_is_measured_kernels_and_end_to_end_apart() {
+    let Some(adapter) = adapter() else { return };
+    let folder = Folder::new();
+    let measure = |more: &[&str]| {
+        let arguments = ["bench", "--workload", "B", "--n", "70", "--t", "100", "--precision", "f32", "--json"];
+        folder.run(&[&arguments[..], more].concat()).expect(0).json()
+    };
+    let json = measure(&["--device", "gpu", "--adapter", &adapter.name]);
+    assert_eq!(json["device"], if adapter.is_software() { "software adapter" } else { "gpu" }, "{json}");
+    assert!(json["isa"].as_str().unwrap().starts_with(&adapter.name) && json["threads"].is_null(), "{json}");
+    let number = |field: &str| json[field].as_f64();
+    if adapter.timestamps {
+        let (kernel, rate) = (number("kernel_s").unwrap(), number("kernel_steps_per_s").unwrap());
+        assert!(kernel > 0.0 && kernel < number("median_s").unwrap(), "kernels are a part of the whole: {json}");
+        assert!((rate * kernel / 7000.0 - 1.0).abs() < 1e-9, "{json}");
+    }
+    let built = number("kernel_build_s").unwrap();
+    assert!(built > 0.0 && built < number("compile_s").unwrap(), "building the kernel is a part of preparing: {json}");
+    let on_cpu = measure(&["--device", "cpu"]);
+    for cost in ["check", "check_mse", "check_nis", "mean_ll"] {
+        let (found, expected) = (number(cost).unwrap(), on_cpu[cost].as_f64().unwrap());
+        assert!((found / expected - 1.0).abs() < 1e-5, "{cost}: {found} on the adapter, {expected} on the CPU");
+    }
+    assert_eq!((json["failed"].as_u64(), number("flops_per_step")), (Some(0), on_cpu["flops_per_step"].as_f64()));
+}
+
+#[cfg(feature = "gpu")]
+#[test]
+fn a_named_adapter_is_compared_with_the_cpu() {
+    let Some(adapter) = adapter() else { return };
+    let common = ["bench", "--n", "100", "--t", "40", "--threads", "2", "--precision", "f32", "--repetitions", "1"];
+    let folder = Folder::new();
+    let run = |more: &[&str]| folder.run(&[&common[..], &["--adapter", &adapter.name], more].concat()).expect(0);
+    let json = run(&["--json"]).json();
+    let label = if adapter.is_software() { "software adapter" } else { "gpu" };
+    let devices: Vec<_> = json["measurements"].as_array().unwrap().iter().map(|m| m["device"].clone()).collect();
+    assert_eq!(devices, ["cpu", label], "{json}");
+    let crossover = &json["crossover"][0];
+    let sizes: Vec<_> =
+        crossover["ladder"].as_array().unwrap().iter().map(|rung| rung["N"].as_u64().unwrap()).collect();
+    assert_eq!((&crossover["adapter"], sizes), (&adapter.name.as_str().into(), vec![64, 100]), "{json}");
+    let table = run(&[]).stdout;
+    assert!(table.contains(&format!("\n{label} ")) && table.contains("crossover: "), "{table}");
+    assert!(!adapter.is_software() || !table.contains("gpu"), "software is never called a GPU: {table}");
 }

@@ -62,6 +62,7 @@ done
 export NODEVICE_SELECT=1
 mkdir -p "$out"
 touch "$out/missing.txt"
+printf '%s\n' "$command_line" >>"$out/commands.txt"
 on_adapter=(--device gpu)
 [ -z "$adapter" ] || on_adapter+=(--adapter "$adapter")
 
@@ -176,7 +177,7 @@ report() {
     echo "- Processor: $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $threads threads;" \
         "load average $(cut -d ' ' -f 1 /proc/loadavg) at the end"
     [ ! -f "$out/jax.txt" ] || echo "- $(cat "$out/jax.txt")"
-    echo "- Command: \`$command_line\`"
+    sort -u "$out/commands.txt" | sed 's/.*/- Command: `&`/'
     if [ -f "$out/parity.log" ]; then
         echo "- Parity, checked first: $(sed -n 's/^test result: \([^;]*; [^;]*\);.*/\1/p' "$out/parity.log" | tail -n 1)"
     else

@@ -94,9 +94,9 @@ fn info(adapter: &wgpu::Adapter) -> AdapterInfo {
         driver: [info.driver, info.driver_info].join(" ").trim().to_owned(),
         f64: features.contains(wgpu::Features::SHADER_F64),
         timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
-        max_binding: limits.max_storage_buffer_binding_size.into(),
+        max_binding: limits.max_storage_buffer_binding_size,
         max_buffer: limits.max_buffer_size,
-        max_uniform: limits.max_uniform_buffer_binding_size.into(),
+        max_uniform: limits.max_uniform_buffer_binding_size,
     }
 }
 

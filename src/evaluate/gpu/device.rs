@@ -28,7 +28,7 @@ impl Gpu {
             return Err(AdapterError::NoF64 { name: info.name });
         }
         let limits = adapter.limits();
-        let uniform = u64::from(limits.max_uniform_buffer_binding_size);
+        let uniform = limits.max_uniform_buffer_binding_size;
         if uniform < 16 * Layout::RECORD as u64 {
             let reason = format!("it binds uniforms of {uniform} bytes, a kernel needs {}", 16 * Layout::RECORD);
             return Err(AdapterError::Refused { name: info.name, reason });

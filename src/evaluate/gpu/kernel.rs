@@ -221,7 +221,7 @@ fn largest_part(gpu: &Gpu, program: &Program, layout: &Layout, options: &GpuOpti
     let rows =
         prologue::rows(program, layout).max(program.carried.len()).max(layout.chunks.len() * layout.totals_a_chunk);
     let Limits { max_buffer_size, max_storage_buffer_binding_size, .. } = gpu.limits;
-    let limit = max_buffer_size.min(max_storage_buffer_binding_size.into());
+    let limit = max_buffer_size.min(max_storage_buffer_binding_size);
     let candidate = (rows.max(1) * size(options.precision)) as u64;
     let by_memory = usize::try_from(limit.min(LARGEST_BUFFER) / candidate).unwrap_or(usize::MAX);
     if by_memory < WORKGROUP {

@@ -87,6 +87,9 @@ pub enum GpuError {
     },
 }
 
+/// Who is told when the GPU fails.
+type Notice = Box<dyn FnMut(&str) + Send>;
+
 /// Scores populations on a GPU; when that fails in the middle of the work, on the CPU with the same tape and nominal.
 pub struct GpuEvaluator {
     gpu: Gpu,
@@ -94,7 +97,7 @@ pub struct GpuEvaluator {
     cpu: CpuEvaluator,
     precision: Precision,
     failure: Option<GpuFailure>,
-    on_failure: Option<Box<dyn FnMut(&str) + Send>>,
+    on_failure: Option<Notice>,
     kernel_time: Option<Duration>,
 }
 

@@ -119,3 +119,80 @@ pub(super) fn record(program: &Program, layout: &Layout, chunk: &Chunk, precisio
     };
     bytes(chunk.rows.clone().flat_map(row), precision)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::Log;
+    use crate::evaluate::{CpuEvaluator, CpuOptions};
+    use crate::model::Problem;
+    use std::mem::offset_of;
+    use std::path::Path;
+
+    fn evaluator(precision: Precision) -> CpuEvaluator {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/uav_gps_ca.toml");
+        let problem = Problem::open(&path).unwrap();
+        let log = Log::open(&problem.data, path.parent().unwrap()).unwrap();
+        CpuEvaluator::new(&problem, &log, CpuOptions { precision, threads: None }).unwrap()
+    }
+
+    /// Name and offset of the members of `Chunk` as naga lays them out, and its size.
+    fn chunk_by_naga(source: &str) -> (Vec<(String, usize)>, usize) {
+        let module = naga::front::wgsl::parse_str(source).unwrap();
+        let found = module.types.iter().find_map(|(_, t)| match &t.inner {
+            naga::TypeInner::Struct { members, span } if t.name.as_deref() == Some("Chunk") => Some((members, *span)),
+            _ => None,
+        });
+        let (members, span) = found.unwrap();
+        let place = |m: &naga::StructMember| (m.name.clone().unwrap(), m.offset as usize);
+        (members.iter().map(place).collect(), span as usize)
+    }
+
+    #[test]
+    fn the_header_lies_where_the_kernel_reads_it() {
+        for precision in [Precision::F32, Precision::F64] {
+            let evaluator = evaluator(precision);
+            let layout = Layout::new(evaluator.program(), precision);
+            let source = super::super::assemble(evaluator.program(), precision).unwrap();
+            let (members, span) = chunk_by_naga(&source);
+            let reserved = offset_of!(Header, reserved);
+            let expected = [
+                ("candidates", offset_of!(Header, candidates)),
+                ("stride", offset_of!(Header, stride)),
+                ("rows", offset_of!(Header, rows)),
+                ("first", offset_of!(Header, first)),
+                ("initial", offset_of!(Header, initial)),
+                ("totals", offset_of!(Header, totals)),
+                ("reserved_a", reserved),
+                ("reserved_b", reserved + 4),
+                ("starts", size_of::<Header>()),
+            ];
+            let members: Vec<(&str, usize)> = members.iter().map(|(name, offset)| (name.as_str(), *offset)).collect();
+            assert_eq!(members, expected, "{precision}");
+            assert_eq!(span, layout.header_bytes(), "{precision}: the whole header");
+        }
+    }
+
+    #[test]
+    fn chunks_hold_whole_blocks_and_cover_every_row_once() {
+        let evaluator = evaluator(Precision::F32);
+        let mut program = evaluator.program().clone();
+        let scalars = vec![];
+        let spans = [0..5, 5..5, 5..9000];
+        program.spans = spans.into_iter().map(|rows| crate::filter::Span { rows, scalars: scalars.clone() }).collect();
+        for columns in [1, 4, 5, 40, 512] {
+            program.columns = columns;
+            let layout = Layout::new(&program, Precision::F32);
+            assert!(layout.fits(), "{columns} columns");
+            let rows: Vec<usize> = layout.chunks.iter().flat_map(|c| c.rows.clone()).collect();
+            assert_eq!(rows, (0..9000).collect::<Vec<_>>(), "{columns} columns: every row once, in order");
+            for (chunk, next) in layout.chunks.iter().zip(layout.chunks.iter().skip(1)) {
+                assert!(chunk.rows.len() * layout.packs_a_row <= Layout::RECORD, "{columns} columns: {chunk:?}");
+                assert!(next.first || chunk.rows.len().is_multiple_of(Program::BLOCK), "{columns} columns: {chunk:?}");
+            }
+            assert_eq!(layout.chunks.iter().filter(|c| c.first).count(), 2, "an empty trajectory has no chunk");
+        }
+        program.columns = 513;
+        assert!(!Layout::new(&program, Precision::F32).fits(), "a block of rows does not fit the record");
+    }
+}

@@ -87,7 +87,7 @@ pub enum GpuError {
     },
 }
 
-/// Is told, in a sentence, why the CPU takes over.
+/// Who is told when the GPU fails.
 type Notice = Box<dyn FnMut(&str) + Send>;
 
 /// Scores populations on a GPU; when that fails in the middle of the work, on the CPU with the same tape and nominal.

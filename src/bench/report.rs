@@ -50,24 +50,32 @@ pub struct Report {
     pub failed: usize,
     /// Processors this process may use.
     pub cpus: usize,
-    /// Threads it was told to use.
-    pub threads: usize,
+    /// Threads of the processor it was told to use; null on an adapter.
+    pub threads: Option<usize>,
     /// Largest resident set of the process \[MiB\]; null where the system does not tell.
     pub maxrss_mb: Option<u64>,
-    /// `cpu`.
+    /// `cpu`, `gpu` or `software adapter`.
     pub device: String,
-    /// Processor and instruction set.
+    /// Instruction set and threads of the processor, or adapter, backend and driver.
     pub isa: String,
+    /// Median time in kernels, by the adapter's own timestamps; null on the CPU and where an adapter has none.
+    pub kernel_s: Option<f64>,
+    /// N T / `kernel_s`.
+    pub kernel_steps_per_s: Option<f64>,
+    /// Time to assemble the shader and create its pipeline; null on the CPU.
+    pub kernel_build_s: Option<f64>,
+    /// + - * / of one filter-step of the tape, one each, fused ones as many as they stand for.
+    pub flops_per_step: usize,
+    /// Those of all steps over `kernel_s`, or over `median_s` without one \[1e9 a second\].
+    pub gflops: f64,
+    /// `gflops` over the arithmetic limit that was given; null without one.
+    pub share_of_peak: Option<f64>,
 }
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { workload, candidates, rows, dtype, threads, .. } = self;
-        let plural = if *threads == 1 { "" } else { "s" };
-        writeln!(
-            f,
-            "workload             {workload}: {candidates} candidates x {rows} rows, {dtype}, {threads} thread{plural}"
-        )?;
+        let Self { workload, candidates, rows, dtype, .. } = self;
+        writeln!(f, "workload             {workload}: {candidates} candidates x {rows} rows, {dtype}")?;
         writeln!(f, "device               {} ({})", self.device, self.isa)?;
         writeln!(
             f,
@@ -80,6 +88,12 @@ impl fmt::Display for Report {
             writeln!(f, "per CPU-second       {rate:.3e}")?;
         }
         writeln!(f, "evaluation           {:.6} s", self.median_s)?;
+        self.kernel(f)?;
+        write!(f, "arithmetic           {:.2} GFLOP/s, {} flops a step", self.gflops, self.flops_per_step)?;
+        match self.share_of_peak {
+            Some(share) => writeln!(f, ", {:.1} % of the limit given", 100.0 * share)?,
+            None => writeln!(f)?,
+        }
         writeln!(f, "trace and prepare    {:.6} s", self.compile_s)?;
         if let Some(peak) = self.maxrss_mb {
             writeln!(f, "peak memory          {peak} MiB")?;
@@ -92,6 +106,14 @@ impl fmt::Display for Report {
 }
 
 impl Report {
+    /// What only an adapter has.
+    fn kernel(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let (Some(seconds), Some(rate)) = (self.kernel_s, self.kernel_steps_per_s) {
+            writeln!(f, "in kernels           {seconds:.6} s, {rate:.3e} filter-steps/s")?;
+        }
+        self.kernel_build_s.map_or(Ok(()), |seconds| writeln!(f, "shader and pipeline  {seconds:.6} s"))
+    }
+
     /// Filter-steps per second of the fastest evaluation.
     fn best(&self) -> f64 {
         self.candidates as f64 * self.rows as f64 / self.min_s

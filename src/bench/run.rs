@@ -1,15 +1,17 @@
 //! The measurement: one evaluator, one population, repeated.
 
-use std::num::NonZero;
 use std::time::{Duration, Instant};
 
-use super::process::{cpu_time, peak_memory_mib};
+use super::engine::{Description, Engine};
+use super::process::peak_memory_mib;
+use super::times::{Times, median};
 use super::workload::truncate;
-use super::{Report, Workload, candidates};
-use crate::data::{Log, LogError, Trajectory};
-use crate::evaluate::{BuildError, CpuEvaluator, CpuOptions, Device, Evaluation, Evaluator, Precision};
-use crate::model::{Problem, ProblemError};
+use super::{BenchError, Report, Target, Workload, candidates};
+use crate::data::{Log, Trajectory};
+use crate::evaluate::{Evaluation, Precision};
+use crate::model::Problem;
 use crate::objective::{Kind, Objective};
+use crate::tape::Counts;
 
 /// What every candidate is scored by, as every peer does.
 const OBJECTIVES: [Kind; 3] = [Kind::Nll, Kind::MseInnovation, Kind::NisMean];
@@ -29,18 +31,20 @@ pub enum Subject {
 pub struct Options {
     /// What runs.
     pub subject: Subject,
+    /// Where; default one thread of the processor.
+    pub target: Target,
     /// Candidates, at least 1; default 1024.
     pub candidates: usize,
     /// Use only the first rows of each trajectory; default all.
     pub rows: Option<usize>,
     /// Number format; default f64.
     pub precision: Precision,
-    /// Threads; default 1.
-    pub threads: usize,
     /// Timed evaluations; default 5.
     pub repetitions: usize,
     /// No further evaluation starts once this much time is spent on timed ones; default 30 s.
     pub budget: Duration,
+    /// Arithmetic limit of the target in this number format \[GFLOP/s\], to tell the share that is reached.
+    pub peak_gflops: Option<f64>,
 }
 
 impl Options {
@@ -49,122 +53,93 @@ impl Options {
     pub const fn new(subject: Subject) -> Self {
         Self {
             subject,
+            target: Target::Cpu { threads: 1 },
             candidates: 1024,
             rows: None,
             precision: Precision::F64,
-            threads: 1,
             repetitions: 5,
             budget: Duration::from_secs(30),
+            peak_gflops: None,
         }
     }
-}
-
-/// Why nothing was measured.
-#[derive(Debug, thiserror::Error)]
-pub enum BenchError {
-    /// The problem is not one.
-    #[error(transparent)]
-    Problem(#[from] ProblemError),
-    /// The log is not one.
-    #[error(transparent)]
-    Log(#[from] LogError),
-    /// The filter cannot be traced.
-    #[error(transparent)]
-    Build(#[from] BuildError),
-    /// Without a searched parameter there is no candidate.
-    #[error("{0}: no parameter is searched, expected at least one (give one a range: r = {{ min = 0.1, max = 10 }})")]
-    NothingSearched(String),
-    /// An option that must be positive is 0.
-    #[error("bench: {0} is 0, expected at least 1")]
-    Zero(&'static str),
 }
 
 /// Times the evaluation of `options.candidates` candidates after one untimed run.
 ///
 /// # Errors
-/// [`BenchError`]: the options ask for nothing, or the problem cannot run on its log.
+/// [`BenchError`]: the options ask for nothing, the problem cannot run on its log, or the adapter fails.
 pub fn run(options: &Options) -> Result<Report, BenchError> {
     refuse_zeros(options)?;
-    let (problem, log) = prepare(options)?;
-    let population = candidates(&problem.parameters, options.candidates);
-    if population.is_empty() {
-        return Err(BenchError::NothingSearched(problem.source));
-    }
-    let cpu = CpuOptions { precision: options.precision, threads: NonZero::new(options.threads) };
-    let start = Instant::now();
-    let mut evaluator = CpuEvaluator::new(&problem, &log, cpu)?;
-    let compile = start.elapsed();
-    let evaluation = evaluator.evaluate(&population);
-    let first_call = start.elapsed();
-    let scores = Scores { evaluation, components_per_row: components(&log) / log.rows() as f64 };
-    let times = Times::measure(options, || drop(std::hint::black_box(evaluator.evaluate(&population))));
-    let device = evaluator.device();
-    Ok(Measured { options, source: problem.source, rows: log.rows(), compile, first_call, times, scores, device }
-        .report())
+    measure(options, &Prepared::new(&options.subject, options.rows)?)
 }
 
-fn refuse_zeros(options: &Options) -> Result<(), BenchError> {
+pub(super) fn refuse_zeros(options: &Options) -> Result<(), BenchError> {
+    let threads = match options.target {
+        Target::Cpu { threads } => threads,
+        Target::Gpu { .. } => 1,
+    };
     let counts = [
         ("n", options.candidates),
         ("t", options.rows.unwrap_or(1)),
-        ("threads", options.threads),
+        ("threads", threads),
         ("repetitions", options.repetitions),
     ];
     counts.iter().find(|(_, count)| *count == 0).map_or(Ok(()), |(name, _)| Err(BenchError::Zero(name)))
 }
 
-/// The problem with the three objectives of every report, and its log.
-fn prepare(options: &Options) -> Result<(Problem, Log), BenchError> {
-    let (mut problem, mut log) = match &options.subject {
-        Subject::Workload(workload) => {
-            let problem = workload.problem()?;
-            let log = workload.log(&problem)?;
-            (problem, log)
+/// A problem with the three objectives of every report, and its log.
+pub(super) struct Prepared {
+    /// Letter of the workload, or name of the problem file.
+    pub(super) name: String,
+    pub(super) problem: Problem,
+    pub(super) log: Log,
+}
+
+impl Prepared {
+    pub(super) fn new(subject: &Subject, rows: Option<usize>) -> Result<Self, BenchError> {
+        let (name, mut problem, mut log) = match subject {
+            Subject::Workload(workload) => {
+                let problem = workload.problem()?;
+                let log = workload.log(&problem)?;
+                (workload.to_string(), problem, log)
+            }
+            Subject::Problem(pair) => (pair.0.source.clone(), pair.0.clone(), pair.1.clone()),
+        };
+        problem.tune.objectives = OBJECTIVES.map(Objective::new).to_vec();
+        if let Some(rows) = rows {
+            truncate(&mut log, rows);
         }
-        Subject::Problem(pair) => (**pair).clone(),
-    };
-    problem.tune.objectives = OBJECTIVES.map(Objective::new).to_vec();
-    if let Some(rows) = options.rows {
-        truncate(&mut log, rows);
+        if problem.parameters.dimension() == 0 {
+            return Err(BenchError::NothingSearched(problem.source));
+        }
+        Ok(Self { name, problem, log })
     }
-    Ok((problem, log))
-}
 
-/// Number of present measurement components.
-fn components(log: &Log) -> f64 {
-    let present =
-        |t: &Trajectory| (0..t.len()).map(|k| t.z.row(k).iter().filter(|z| !z.is_nan()).count()).sum::<usize>();
-    log.trajectories.iter().map(present).sum::<usize>() as f64
-}
-
-/// Timed evaluations, in seconds.
-struct Times {
-    wall: Vec<f64>,
-    cpu: Vec<f64>,
-}
-
-impl Times {
-    fn measure(options: &Options, mut evaluate: impl FnMut()) -> Self {
-        let (mut wall, mut cpu) = (Vec::new(), Vec::new());
-        let begin = Instant::now();
-        while wall.len() < options.repetitions && (wall.is_empty() || begin.elapsed() < options.budget) {
-            let (start, start_cpu) = (Instant::now(), cpu_time());
-            evaluate();
-            wall.push(start.elapsed().as_secs_f64());
-            let spent = start_cpu.zip(cpu_time()).map(|(start, end)| end.saturating_sub(start));
-            cpu.extend(spent.map(|spent| spent.as_secs_f64()));
-        }
-        Self { wall, cpu }
+    /// Number of present measurement components.
+    fn components(&self) -> f64 {
+        let present =
+            |t: &Trajectory| (0..t.len()).map(|k| t.z.row(k).iter().filter(|z| !z.is_nan()).count()).sum::<usize>();
+        self.log.trajectories.iter().map(present).sum::<usize>() as f64
     }
 }
 
-/// The middle value, or the mean of the two middle ones; `None` of nothing.
-fn median(values: &[f64]) -> Option<f64> {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let upper = sorted.get(sorted.len() / 2)?;
-    let lower = sorted.get((sorted.len() - 1) / 2)?;
-    Some(0.5 * (lower + upper))
+/// Times one target.
+pub(super) fn measure(options: &Options, prepared: &Prepared) -> Result<Report, BenchError> {
+    let Prepared { problem, log, .. } = prepared;
+    let population = candidates(&problem.parameters, options.candidates);
+    let start = Instant::now();
+    let mut engine = Engine::new(problem, log, &options.target, options.precision)?;
+    let compile = start.elapsed();
+    let (evaluation, _) = engine.evaluate(&population)?;
+    let first_call = start.elapsed();
+    let scores = Scores { evaluation, components_per_row: prepared.components() / log.rows() as f64 };
+    let times = Times::measure(options.repetitions, options.budget, || {
+        let (evaluation, kernel) = engine.evaluate(&population)?;
+        std::hint::black_box(evaluation);
+        Ok(kernel)
+    })?;
+    let (engine, counts) = (engine.description(), engine.program().step.counts());
+    Ok(Measured { options, prepared, compile, first_call, times, scores, engine, counts }.report())
 }
 
 /// Costs in the order of [`OBJECTIVES`].
@@ -195,33 +170,31 @@ impl Scores {
 /// Everything a report is made of.
 struct Measured<'a> {
     options: &'a Options,
-    source: String,
-    rows: usize,
+    prepared: &'a Prepared,
     compile: Duration,
     first_call: Duration,
     times: Times,
     scores: Scores,
-    device: Device,
+    engine: Description,
+    counts: Counts,
 }
 
 impl Measured<'_> {
-    fn report(&self) -> Report {
-        let Self { options, rows, times, scores, .. } = self;
-        let steps = options.candidates as f64 * *rows as f64;
+    fn report(self) -> Report {
+        let Self { options, prepared, times, scores, engine, .. } = &self;
+        let rows = prepared.log.rows();
+        let steps = options.candidates as f64 * rows as f64;
         let median_s = median(&times.wall).unwrap_or(f64::NAN);
-        let cpu_s = median(&times.cpu);
+        let (cpu_s, kernel_s) = (median(&times.cpu), median(&times.kernel));
         let first_call_s = self.first_call.as_secs_f64();
         let first = scores.first();
-        let workload = match options.subject {
-            Subject::Workload(workload) => workload.to_string(),
-            Subject::Problem(_) => self.source.clone(),
-        };
+        let gflops = self.counts.flops as f64 * steps / kernel_s.unwrap_or(median_s) * 1e-9;
         Report {
             peer: "kfgpu",
-            workload,
+            workload: prepared.name.clone(),
             dtype: options.precision.to_string(),
             candidates: options.candidates,
-            rows: *rows,
+            rows,
             median_s,
             min_s: times.wall.iter().copied().fold(f64::INFINITY, f64::min),
             cpu_s,
@@ -238,10 +211,19 @@ impl Measured<'_> {
             mean_mse: scores.mean(1),
             failed: scores.evaluation.len() - scores.usable().count(),
             cpus: std::thread::available_parallelism().map_or(1, usize::from),
-            threads: options.threads,
+            threads: match options.target {
+                Target::Cpu { threads } => Some(threads),
+                Target::Gpu { .. } => None,
+            },
             maxrss_mb: peak_memory_mib(),
-            device: self.device.backend.clone(),
-            isa: self.device.adapter.clone(),
+            device: engine.device.to_owned(),
+            isa: engine.name.clone(),
+            kernel_s,
+            kernel_steps_per_s: kernel_s.map(|kernel_s| steps / kernel_s),
+            kernel_build_s: engine.kernel_build.map(|time| time.as_secs_f64()),
+            flops_per_step: self.counts.flops,
+            gflops,
+            share_of_peak: options.peak_gflops.map(|peak| gflops / peak),
         }
     }
 }
@@ -250,13 +232,6 @@ impl Measured<'_> {
 mod tests {
     use super::*;
     use crate::reference;
-
-    #[test]
-    fn the_median_is_the_middle_or_between_the_middle_two() {
-        assert_eq!(median(&[3.0, 1.0, 2.0]), Some(2.0), "odd");
-        assert_eq!(median(&[4.0, 1.0, 2.0, 3.0]), Some(2.5), "even");
-        assert_eq!(median(&[]), None, "empty");
-    }
 
     fn small(precision: Precision) -> Options {
         let mut options = Options::new(Subject::Workload(Workload::B));
@@ -268,7 +243,7 @@ mod tests {
     fn the_report_says_what_the_reference_computes() {
         let report = run(&small(Precision::F64)).unwrap();
         assert_eq!((report.candidates, report.rows, report.reps, report.failed), (3, 40, 2, 0), "sizes");
-        let (problem, log) = prepare(&small(Precision::F64)).unwrap();
+        let Prepared { problem, log, .. } = Prepared::new(&small(Precision::F64).subject, Some(40)).unwrap();
         let population = candidates(&problem.parameters, 3);
         let all: Vec<Vec<f64>> =
             population.rows().map(|candidate| reference::costs(&problem, &log, candidate).unwrap()).collect();
@@ -281,12 +256,18 @@ mod tests {
     }
 
     #[test]
-    fn rates_are_steps_over_times() {
-        let report = run(&small(Precision::F32)).unwrap();
+    fn rates_are_steps_over_times_and_shares_are_flops_over_the_limit() {
+        let mut options = small(Precision::F32);
+        options.peak_gflops = Some(50.0);
+        let report = run(&options).unwrap();
         let steps = 120.0;
         assert!((report.steps_per_s * report.median_s / steps - 1.0).abs() < 1e-12, "{report:?}");
         assert!((report.steps_per_s_incl_compile * report.first_call_s / steps - 1.0).abs() < 1e-12, "{report:?}");
         assert!(report.min_s <= report.median_s && report.compile_s < report.first_call_s, "{report:?}");
+        // Three filters of 2 states each; written out by hand they take 87 to 96, by how the sums are counted.
+        assert!((80..120).contains(&report.flops_per_step), "{report:?}");
+        let share = report.flops_per_step as f64 * report.steps_per_s / 50e9;
+        assert!((report.share_of_peak.unwrap() / share - 1.0).abs() < 1e-12, "{report:?}");
     }
 
     #[test]
@@ -305,7 +286,7 @@ mod tests {
         let mut options = small(Precision::F64);
         options.candidates = 0;
         assert!(matches!(run(&options), Err(BenchError::Zero("n"))), "no candidate");
-        let (mut problem, log) = prepare(&small(Precision::F64)).unwrap();
+        let Prepared { mut problem, log, .. } = Prepared::new(&small(Precision::F64).subject, None).unwrap();
         for parameter in &mut problem.parameters.all {
             parameter.value = crate::model::Value::Fixed(1.0);
         }

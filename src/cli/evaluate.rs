@@ -1,7 +1,7 @@
 //! `kfgpu evaluate`: costs of given candidates, so that any outside optimiser can drive a filter.
 
 use std::fs::File;
-use std::io::{self, Read, Write};
+use std::io::{self, BufRead as _, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, ensure};
@@ -10,9 +10,10 @@ use serde::Serialize;
 
 use super::candidates::Candidates;
 use super::console::Console;
+use super::evaluator::Chosen;
 use super::options::Compute;
 use super::{Ending, files, load};
-use crate::evaluate::{CpuEvaluator, Device, Evaluation, Evaluator};
+use crate::evaluate::{Device, Evaluation, Evaluator};
 use crate::objective::Objective;
 use crate::report::{Named, exact};
 
@@ -65,7 +66,7 @@ impl Evaluate {
             "{}: no parameter is searched, so there is nothing to evaluate (give one of [parameters] min and max)",
             problem.source
         );
-        let mut evaluator = CpuEvaluator::new(problem, log, self.compute.cpu())?;
+        let mut evaluator = Chosen::new(problem, log, &self.compute, self.count()?, console)?;
         let mut candidates =
             Candidates::open(self.input(from_stdin)?, &self.source(from_stdin), &problem.parameters.names())?;
         let names = problem.tune.objectives.iter().map(Objective::name).collect::<Vec<_>>();
@@ -86,17 +87,31 @@ impl Evaluate {
         Ok(Box::new(file))
     }
 
+    /// About how many candidates there are: lines of a file; of a pipe, which comes a line at a time, none is known.
+    fn count(&self) -> anyhow::Result<f64> {
+        if !self.candidates.is_file() {
+            return Ok(0.0);
+        }
+        let mut file = BufReader::with_capacity(1 << 20, self.input(false)?);
+        let mut lines = 0.0;
+        loop {
+            let read = file.fill_buf().with_context(|| format!("cannot read {}", self.candidates.display()))?;
+            if read.is_empty() {
+                return Ok(lines);
+            }
+            let (length, ends) = (read.len(), read.iter().filter(|byte| **byte == b'\n').count());
+            lines += ends as f64;
+            file.consume(length);
+        }
+    }
+
     fn source(&self, from_stdin: bool) -> String {
         if from_stdin { "<stdin>".to_owned() } else { self.candidates.display().to_string() }
     }
 }
 
 /// Answers batch by batch; each answer is flushed, because whoever asked may be waiting for it.
-fn answer(
-    candidates: &mut Candidates<impl Read>,
-    evaluator: &mut impl Evaluator,
-    names: &[&str],
-) -> anyhow::Result<()> {
+fn answer(candidates: &mut Candidates<impl Read>, evaluator: &mut dyn Evaluator, names: &[&str]) -> anyhow::Result<()> {
     let mut out = io::BufWriter::new(io::stdout().lock());
     writeln!(out, "{},status", names.join(","))?;
     out.flush()?;
@@ -117,7 +132,7 @@ fn write_row(evaluation: &Evaluation, i: usize, out: &mut impl Write) -> io::Res
 
 fn collect(
     candidates: &mut Candidates<impl Read>,
-    evaluator: &mut impl Evaluator,
+    evaluator: &mut dyn Evaluator,
     names: Vec<&str>,
 ) -> anyhow::Result<Costs> {
     let mut costs = vec![Vec::new(); names.len()];

@@ -3,7 +3,9 @@
 mod bench;
 mod candidates;
 mod console;
+mod devices;
 mod evaluate;
+mod evaluator;
 mod files;
 mod filter;
 mod init;
@@ -14,6 +16,7 @@ mod overrides;
 mod paths;
 mod progress;
 mod results;
+mod shader;
 mod simulate;
 mod tape;
 mod tune;
@@ -51,6 +54,8 @@ enum Verb {
     Simulate(simulate::Simulate),
     Evaluate(evaluate::Evaluate),
     Bench(bench::Bench),
+    Devices(devices::Devices),
+    Shader(shader::Shader),
 }
 
 /// How a verb ended, when not by an error.
@@ -103,6 +108,8 @@ impl Verb {
             Self::Simulate(verb) => verb.run(console),
             Self::Evaluate(verb) => verb.run(console),
             Self::Bench(verb) => verb.run(console),
+            Self::Devices(verb) => verb.run(console),
+            Self::Shader(verb) => verb.run(console),
         }
     }
 }

@@ -9,8 +9,18 @@ use crate::evaluate::{CpuOptions, Precision};
 /// How candidates are computed.
 #[derive(Debug, Clone, Args)]
 pub(super) struct Compute {
-    /// Number format of the costs; `auto` is f64 on the CPU. f32 is about twice as fast and less exact; `tune` re-scores
-    /// its winner in f64.
+    /// Where candidates are computed; `auto` takes a GPU only for a large job, and never a software renderer. `gpu` is
+    /// an error where there is none.
+    #[arg(long, value_enum, default_value_t = DeviceChoice::Auto, value_name = "DEVICE")]
+    pub(super) device: DeviceChoice,
+
+    /// GPU whose name contains this, which may be a software renderer (default: the best real one); `kfgpu devices`
+    /// lists them.
+    #[arg(long, value_name = "NAME")]
+    pub(super) adapter: Option<String>,
+
+    /// Number format of the search; `auto` is f64 on the CPU and f32 on a GPU. f32 is about twice as fast on a CPU,
+    /// many times on a GPU, and less exact; `tune` re-scores its winner in f64.
     #[arg(long, value_enum, default_value_t = PrecisionChoice::Auto, value_name = "FORMAT")]
     pub(super) precision: PrecisionChoice,
 
@@ -36,6 +46,13 @@ fn up_to(most: usize, text: &str) -> Result<NonZeroUsize, String> {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum DeviceChoice {
+    Auto,
+    Gpu,
+    Cpu,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum PrecisionChoice {
     Auto,
     F64,
@@ -51,8 +68,19 @@ impl From<PrecisionChoice> for Precision {
     }
 }
 
+impl PrecisionChoice {
+    /// What it means on a GPU.
+    #[cfg(feature = "gpu")]
+    pub(super) const fn on_gpu(self) -> Precision {
+        match self {
+            Self::Auto | Self::F32 => Precision::F32,
+            Self::F64 => Precision::F64,
+        }
+    }
+}
+
 impl Compute {
-    /// The evaluator's options; what else runs in parallel then keeps to the same number of threads.
+    /// The CPU evaluator's options; what else runs in parallel then keeps to the same number of threads.
     pub(super) fn cpu(&self) -> CpuOptions {
         if let Some(threads) = self.threads {
             // Only a second call could fail, and its number would be the same.

@@ -6,6 +6,7 @@ use anyhow::anyhow;
 use clap::Args;
 
 use super::console::{self, Console};
+use super::evaluator::Chosen;
 use super::files::{self, OutFolder};
 use super::load::{self, Loaded};
 use super::options::Compute;
@@ -13,8 +14,8 @@ use super::overrides::{self, Override};
 use super::progress::Progress;
 use super::{Ending, interrupt, results};
 use crate::data::Log;
-use crate::evaluate::{CpuEvaluator, CpuOptions, Device, Evaluator, Precision};
-use crate::model::Problem;
+use crate::evaluate::{CpuEvaluator, CpuOptions, Evaluator, Precision};
+use crate::model::{Problem, TuneSpec};
 use crate::reference;
 use crate::report::{Effort, Tuning};
 use crate::study::{self, Judge, Observer, Outcome, StopReason, Study};
@@ -110,8 +111,10 @@ impl Tune {
         let problem = overrides::apply(problem, &overrides)?;
         let Loaded { problem, log, origin, warnings } = load::log_of(problem, path, self.data.as_deref(), console)?;
         let folder = self.out.as_deref().map(OutFolder::prepare).transpose()?;
-        let (outcome, device) = self.study(&problem, &log, console)?;
+        let (outcome, evaluator) = self.study(&problem, &log, console)?;
 
+        let device = evaluator.device();
+        let warnings = [warnings, evaluator.notices.said()].concat();
         let said = warnings.len();
         let effort = Effort::of(&problem, &log, &outcome, device, warnings);
         let Some(winner) = &outcome.winner else { return self.report_nothing(effort, &outcome, folder.as_ref()) };
@@ -131,19 +134,18 @@ impl Tune {
     }
 
     /// Searches, with Ctrl-C asking for the best so far.
-    fn study(&self, problem: &Problem, log: &Log, console: Console) -> anyhow::Result<(Outcome, Device)> {
+    fn study(&self, problem: &Problem, log: &Log, console: Console) -> anyhow::Result<(Outcome, Chosen)> {
         let interrupt = interrupt::flag()?;
-        let cpu = self.compute.cpu();
-        let mut evaluator = CpuEvaluator::new(problem, log, cpu)?;
-        let in_f64 = CpuOptions { precision: Precision::F64, ..cpu };
-        let wants_f64 = problem.tune.polish && in_f64.precision != cpu.precision;
-        let mut polisher = wants_f64.then(|| CpuEvaluator::new(problem, log, in_f64)).transpose()?;
+        let mut evaluator = Chosen::new(problem, log, &self.compute, candidates(&problem.tune), console)?;
+        let wants_another = problem.tune.polish && !evaluator.can_polish();
+        let in_f64 = CpuOptions { precision: Precision::F64, ..self.compute.cpu() };
+        let mut polisher = wants_another.then(|| CpuEvaluator::new(problem, log, in_f64)).transpose()?;
         let oracle = |candidate: &[f64]| reference::costs(problem, log, candidate).ok();
         let judge = Judge { oracle: &oracle, polisher: polisher.as_mut().map(|p| p as &mut dyn Evaluator) };
         let mut progress = Progress::new(console, &problem.tune)?;
         let observers: &mut [&mut dyn Observer] = &mut [&mut progress];
         let outcome = study::run(&Study::of(problem), &mut evaluator, judge, observers, &interrupt)?;
-        Ok((outcome, evaluator.device()))
+        Ok((outcome, evaluator))
     }
 
     /// Says that every candidate failed, in the same places as a result.
@@ -186,6 +188,12 @@ impl Tune {
         .flatten()
         .collect()
     }
+}
+
+/// Candidates of a whole study, if nothing ends it early.
+fn candidates(tune: &TuneSpec) -> f64 {
+    let all = tune.population as f64 * (tune.generations as f64 + 1.0);
+    tune.evaluations.map_or(all, |allowed| all.min(allowed as f64))
 }
 
 /// Why a study has no winner.

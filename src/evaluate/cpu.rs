@@ -81,15 +81,21 @@ impl CpuEvaluator {
         options: CpuOptions,
         form: Option<Form>,
     ) -> Result<Self, BuildError> {
-        let machine = match options.precision {
-            Precision::F64 => Machine::F64(Rounded::new(trace_as(problem, log, objectives, None, form)?)),
-            Precision::F32 => {
-                let nominal = nominal(problem, log)?;
-                Machine::F32(Rounded::new(trace_as(problem, log, objectives, Some(nominal), form)?))
-            }
+        let nominal = match options.precision {
+            Precision::F64 => None,
+            Precision::F32 => Some(nominal(problem, log)?),
         };
-        let threads = options.threads.map_or_else(cores, NonZero::get);
-        Ok(Self { machine, threads, pool: None })
+        Ok(Self::of_program(trace_as(problem, log, objectives, nominal, form)?, options))
+    }
+
+    /// An evaluator that runs a traced program.
+    #[must_use]
+    pub fn of_program(program: Program, options: CpuOptions) -> Self {
+        let machine = match options.precision {
+            Precision::F64 => Machine::F64(Rounded::new(program)),
+            Precision::F32 => Machine::F32(Rounded::new(program)),
+        };
+        Self { machine, threads: options.threads.map_or_else(cores, NonZero::get), pool: None }
     }
 
     /// The program that runs.
@@ -194,7 +200,7 @@ fn cores() -> usize {
 }
 
 /// The nominal of the deviation form: the baseline's predicted states, by the f64 tape.
-fn nominal(problem: &Problem, log: &Log) -> Result<Nominal, TraceError> {
+pub(super) fn nominal(problem: &Problem, log: &Log) -> Result<Nominal, TraceError> {
     let program = trace(problem, log, &[], None)?;
     let candidate = problem.parameters.baseline();
     let n = problem.model.states.len();

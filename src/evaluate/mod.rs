@@ -2,6 +2,8 @@
 
 mod block;
 mod cpu;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 
 pub use cpu::{BuildError, CpuEvaluator, CpuOptions};
 pub mod mock;

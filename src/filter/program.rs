@@ -57,6 +57,8 @@ pub struct Program {
     pub step: Tape,
     /// The carried registers, in order.
     pub carried: Vec<Carried>,
+    /// For each carried state whether its initial value depends on the candidate.
+    pub varies: Vec<bool>,
     /// Number of invariants.
     pub invariants: usize,
     /// Row-major f64 table of the scalars of [`Self::step`] that change from row to row.

@@ -145,6 +145,7 @@ impl Step {
         let record = record(tracer, &step.scalars[..columns]);
         let names = step.scalars[..columns].iter().enumerate().map(|(c, _)| format!("row.{c}")).collect();
         let (prologue, scalars) = prologue(tracer, &representatives, initial, &invariants, &starts)?;
+        let varies = representatives.iter().map(|e| !tracer.g.depends(initial[*e]).is_uniform()).collect();
         let spans = spans.into_iter().zip(scalars).map(|(rows, scalars)| Span { rows, scalars }).collect();
         Ok(Program {
             form: self.form,
@@ -152,6 +153,7 @@ impl Step {
             parameters: tracer.problem.parameters.dimension(),
             step,
             carried,
+            varies,
             invariants: invariants.len(),
             record,
             columns,

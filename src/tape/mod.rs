@@ -12,6 +12,7 @@ mod print;
 mod schedule;
 mod simplify;
 mod terms;
+pub mod wgsl;
 
 pub use calculator::Calculator;
 pub use graph::{Binary, Depends, Graph, Id, Leaf, Node, Unary};

@@ -9,4 +9,5 @@ mod command;
 mod evaluate;
 mod examples;
 mod filter;
+mod gpu;
 mod tune;

@@ -12,7 +12,7 @@ use kfgpu::reference;
 pub(crate) enum Single {
     /// The promise of semantics.md.
     Promised,
-    /// Its error is measured and held to its record; the promise is beyond the covariance form (P0/R above 1e3).
+    /// Its error is measured and held to its record; the promise is beyond seven digits.
     Measured,
     /// The deviation form cannot express it, which must be said.
     Refused,

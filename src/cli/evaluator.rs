@@ -1,0 +1,116 @@
+//! The evaluator of every verb that scores candidates: which device, which precision, and what is said about it.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use anyhow::ensure;
+
+use super::console::Console;
+use super::options::{Compute, DeviceChoice};
+use crate::data::Log;
+use crate::evaluate::{CpuEvaluator, Device, Evaluation, Evaluator, Population};
+use crate::model::Problem;
+
+#[cfg(feature = "gpu")]
+mod on_gpu;
+
+/// Candidate-rows x operations of a step from which `auto` looks for a GPU. The lanes do about 2e9 to 4e9 a second and
+/// core, so this is a few seconds of two cores; finding, opening and compiling for a GPU takes about half a second.
+pub(super) const GPU_PAYS: f64 = 2e10;
+
+/// What is said where the program has no GPU evaluator.
+#[cfg(not(feature = "gpu"))]
+pub(super) const BUILT_WITHOUT: &str =
+    "this kfgpu was built without its GPU evaluator: use --device cpu, or build it with the feature `gpu`";
+
+/// Sentences for the user that a report repeats. Some come in the middle of a study.
+#[derive(Debug, Clone)]
+pub(super) struct Notices {
+    console: Console,
+    said: Arc<Mutex<Vec<String>>>,
+}
+
+impl Notices {
+    fn new(console: Console) -> Self {
+        Self { console, said: Arc::default() }
+    }
+
+    /// Prints a warning and keeps it.
+    #[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "only GPUs give reason for a warning"))]
+    fn warn(&self, sentence: &str) {
+        self.console.warn(sentence);
+        self.said.lock().unwrap_or_else(PoisonError::into_inner).push(sentence.to_owned());
+    }
+
+    /// All warnings so far.
+    pub(super) fn said(&self) -> Vec<String> {
+        self.said.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+}
+
+/// An evaluator on the device that was asked for, or on the one that suits.
+pub(super) struct Chosen {
+    evaluator: Box<dyn Evaluator>,
+    pub(super) notices: Notices,
+}
+
+impl Chosen {
+    /// For about `candidates` candidates in all.
+    pub(super) fn new(
+        problem: &Problem,
+        log: &Log,
+        compute: &Compute,
+        candidates: f64,
+        console: Console,
+    ) -> anyhow::Result<Self> {
+        let notices = Notices::new(console);
+        let asked = compute.adapter.is_some() || compute.device == DeviceChoice::Gpu;
+        ensure!(
+            !(asked && compute.device == DeviceChoice::Cpu),
+            "--adapter names a GPU and --device cpu asks for none (leave one of them out)"
+        );
+        if !asked {
+            let cpu = CpuEvaluator::new(problem, log, compute.cpu())?;
+            if compute.device == DeviceChoice::Cpu || work(&cpu, log, candidates) < GPU_PAYS {
+                return Ok(Self { evaluator: Box::new(cpu), notices });
+            }
+        }
+        #[cfg(feature = "gpu")]
+        let found = on_gpu::build(problem, log, compute, asked, &notices)?;
+        #[cfg(not(feature = "gpu"))]
+        let found = {
+            ensure!(!asked, BUILT_WITHOUT);
+            None
+        };
+        let evaluator = match found {
+            Some(evaluator) => evaluator,
+            None => Box::new(CpuEvaluator::new(problem, log, compute.cpu())?),
+        };
+        Ok(Self { evaluator, notices })
+    }
+
+    /// Whether polish, a search in f64 of a few candidates at a time, can use it too.
+    pub(super) fn can_polish(&self) -> bool {
+        let Device { backend, precision, .. } = self.evaluator.device();
+        backend == "cpu" && precision == "f64"
+    }
+}
+
+impl Evaluator for Chosen {
+    fn objectives(&self) -> usize {
+        self.evaluator.objectives()
+    }
+
+    fn evaluate(&mut self, population: &Population) -> Evaluation {
+        self.evaluator.evaluate(population)
+    }
+
+    fn device(&self) -> Device {
+        self.evaluator.device()
+    }
+}
+
+/// Rows x candidates x operations of a step.
+#[expect(clippy::cast_precision_loss, reason = "an estimate")]
+fn work(cpu: &CpuEvaluator, log: &Log, candidates: f64) -> f64 {
+    log.rows() as f64 * candidates * cpu.program().step.operations.len() as f64
+}

@@ -1,0 +1,297 @@
+//! A compiled kernel with its buffers: dispatches chunks and reads totals back.
+
+use super::clock::Clock;
+use super::device::{Gpu, GpuFailure};
+use super::layout::{self, Header, Layout};
+use super::totals::{Totals, join};
+use super::{GpuError, GpuOptions, prologue, shader};
+use crate::evaluate::{Evaluation, Population, Precision};
+use crate::filter::Program;
+use std::time::Duration;
+use wgpu::{BufferUsages as Usage, Limits};
+
+/// Invocations a workgroup, as in the shader.
+const WORKGROUP: usize = 64;
+/// Chunks a submission: short enough for a driver's watchdog.
+const CHUNKS_A_SUBMISSION: usize = 16;
+
+/// The compiled kernel of a program.
+pub(super) struct Kernel {
+    layout: Layout,
+    precision: Precision,
+    pipeline: wgpu::ComputePipeline,
+    bindings: wgpu::BindGroupLayout,
+    record: wgpu::Buffer,
+    /// Byte offset of each chunk in `record`.
+    offsets: Vec<u32>,
+    /// Uniform initial states of each trajectory, as bytes.
+    starts: Vec<Vec<u8>>,
+    largest_part: usize,
+    buffers: Option<Buffers>,
+    clock: Option<Clock>,
+}
+
+/// Buffers for parts of up to `stride` candidates.
+struct Buffers {
+    stride: usize,
+    headers: wgpu::Buffer,
+    header_stride: usize,
+    prologue: wgpu::Buffer,
+    totals: wgpu::Buffer,
+    staging: wgpu::Buffer,
+    group: wgpu::BindGroup,
+}
+
+impl Kernel {
+    /// Assembles, validates and compiles the kernel, and uploads the record.
+    pub(super) fn new(gpu: &Gpu, program: &Program, options: &GpuOptions, baseline: &[f64]) -> Result<Self, GpuError> {
+        let precision = options.precision;
+        let layout = Layout::new(program, precision);
+        let source = shader::assemble(program, precision)?;
+        let (record_bytes, limit) = (record_bytes(gpu, &layout), gpu.limits.max_buffer_size.min(u32::MAX.into()));
+        if record_bytes > limit {
+            return Err(GpuError::TooLong { bytes: record_bytes, limit });
+        }
+        let largest_part = largest_part(gpu, program, &layout, options)?;
+        let refused = |f: GpuFailure| GpuError::Refused { adapter: gpu.info.name.clone(), reason: f.0 };
+        let (pipeline, bindings) = gpu.guarded(|| compile(gpu, source, &layout)).map_err(refused)?;
+        let (record, offsets) = gpu.guarded(|| upload_record(gpu, program, &layout, precision)).map_err(refused)?;
+        let starts =
+            program.spans.iter().map(|span| layout::bytes(prologue::starts(program, span, baseline), precision));
+        let clock = (options.timed && gpu.info.timestamps).then(|| Clock::new(gpu));
+        Ok(Self {
+            largest_part,
+            starts: starts.collect(),
+            layout,
+            precision,
+            pipeline,
+            bindings,
+            record,
+            offsets,
+            buffers: None,
+            clock,
+        })
+    }
+
+    /// Scores a population in parts that fit the adapter.
+    pub(super) fn evaluate(
+        &mut self,
+        gpu: &Gpu,
+        program: &Program,
+        population: &Population,
+    ) -> Result<(Evaluation, Option<Duration>), GpuFailure> {
+        let values: Vec<f64> = population.rows().flatten().copied().collect();
+        let d = program.parameters.max(1);
+        let mut parts = Vec::new();
+        let mut time = self.clock.as_ref().map(|_| Duration::ZERO);
+        for part in values.chunks(self.largest_part * d) {
+            let n = part.len() / d;
+            self.prepare(gpu, program, n)?;
+            let Some(buffers) = &self.buffers else { continue };
+            gpu.guarded(|| self.dispatch(gpu, program, buffers, part))?;
+            let bytes = self.totals_bytes(buffers.stride);
+            parts.push(gpu.read(&buffers.staging, bytes, |bytes| {
+                let totals = Totals { bytes, stride: buffers.stride, precision: self.precision };
+                totals.finish(program, &self.layout, n)
+            })?);
+            if let (Some(time), Some(clock)) = (&mut time, &self.clock) {
+                *time += clock.read(gpu)?;
+            }
+        }
+        Ok((join(program.objectives(), parts), time))
+    }
+
+    fn totals_bytes(&self, stride: usize) -> u64 {
+        (self.layout.chunks.len() * self.layout.totals_a_chunk * stride * size(self.precision)) as u64
+    }
+
+    /// Makes buffers for `n` candidates unless those at hand fit.
+    fn prepare(&mut self, gpu: &Gpu, program: &Program, n: usize) -> Result<(), GpuFailure> {
+        let stride = n.next_multiple_of(WORKGROUP);
+        if self.buffers.as_ref().is_some_and(|b| b.stride == stride) {
+            return Ok(());
+        }
+        self.buffers = None;
+        self.buffers = Some(gpu.guarded(|| self.make_buffers(gpu, program, stride))?);
+        Ok(())
+    }
+
+    fn make_buffers(&self, gpu: &Gpu, program: &Program, stride: usize) -> Buffers {
+        let row = (stride * size(self.precision)) as u64;
+        let alignment = gpu.limits.min_uniform_buffer_offset_alignment.max(16) as usize;
+        let header_stride = self.layout.header_bytes().next_multiple_of(alignment);
+        let headers_bytes = (header_stride * self.layout.chunks.len()) as u64;
+        let headers = gpu.buffer("headers", headers_bytes, Usage::UNIFORM | Usage::COPY_DST);
+        let rows = prologue::rows(program, &self.layout) as u64;
+        let prologue = gpu.buffer("prologue", rows * row, Usage::STORAGE | Usage::COPY_DST);
+        let carried = gpu.buffer("carried", program.carried.len() as u64 * row, Usage::STORAGE);
+        let bytes = self.totals_bytes(stride);
+        let totals = gpu.buffer("totals", bytes, Usage::STORAGE | Usage::COPY_SRC);
+        let staging = gpu.buffer("totals, read back", bytes, Usage::MAP_READ | Usage::COPY_DST);
+        let window = |buffer, size: usize| {
+            let size = std::num::NonZeroU64::new(size as u64);
+            wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size })
+        };
+        let resources = [
+            window(&self.record, 16 * Layout::RECORD),
+            window(&headers, self.layout.header_bytes()),
+            prologue.as_entire_binding(),
+            carried.as_entire_binding(),
+            totals.as_entire_binding(),
+        ];
+        let entries: Vec<wgpu::BindGroupEntry<'_>> =
+            (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
+        let descriptor = wgpu::BindGroupDescriptor { label: None, layout: &self.bindings, entries: &entries };
+        let group = gpu.device.create_bind_group(&descriptor);
+        Buffers { stride, headers, header_stride, prologue, totals, staging, group }
+    }
+
+    /// Uploads a part, runs every chunk over it and copies the totals out.
+    fn dispatch(&self, gpu: &Gpu, program: &Program, buffers: &Buffers, part: &[f64]) {
+        let n = part.len() / program.parameters.max(1);
+        let data = prologue::buffer(program, &self.layout, part, buffers.stride, self.precision);
+        gpu.queue.write_buffer(&buffers.prologue, 0, &data);
+        gpu.queue.write_buffer(&buffers.headers, 0, &self.headers(program, buffers, n));
+        let chunks: Vec<usize> = (0..self.layout.chunks.len()).collect();
+        let submissions = chunks.chunks(CHUNKS_A_SUBMISSION);
+        let last = submissions.len().saturating_sub(1);
+        for (s, chunks) in submissions.enumerate() {
+            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let timestamps = self.clock.as_ref().and_then(|clock| clock.writes(s == 0, s == last));
+            let descriptor = wgpu::ComputePassDescriptor { label: None, timestamp_writes: timestamps };
+            let mut pass = encoder.begin_compute_pass(&descriptor);
+            pass.set_pipeline(&self.pipeline);
+            for &chunk in chunks {
+                let header = u32::try_from(chunk * buffers.header_stride).unwrap_or(u32::MAX);
+                pass.set_bind_group(0, &buffers.group, &[self.offsets[chunk], header]);
+                pass.dispatch_workgroups(u32::try_from(n.div_ceil(WORKGROUP)).unwrap_or(u32::MAX), 1, 1);
+            }
+            drop(pass);
+            if s == last {
+                encoder.copy_buffer_to_buffer(
+                    &buffers.totals,
+                    0,
+                    &buffers.staging,
+                    0,
+                    self.totals_bytes(buffers.stride),
+                );
+                if let Some(clock) = &self.clock {
+                    clock.resolve(&mut encoder);
+                }
+            }
+            gpu.queue.submit([encoder.finish()]);
+        }
+    }
+
+    /// The header of every chunk, each at its offset.
+    fn headers(&self, program: &Program, buffers: &Buffers, n: usize) -> Vec<u8> {
+        let word = |value: usize| u32::try_from(value).unwrap_or(u32::MAX);
+        let mut data = vec![0; buffers.header_stride * self.layout.chunks.len()];
+        for ((c, chunk), slot) in self.layout.chunks.iter().enumerate().zip(data.chunks_mut(buffers.header_stride)) {
+            let header = Header {
+                candidates: word(n),
+                stride: word(buffers.stride),
+                rows: word(chunk.rows.len()),
+                first: u32::from(chunk.first),
+                initial: word(program.invariants + chunk.trajectory * self.layout.varying),
+                totals: word(c * self.layout.totals_a_chunk),
+                reserved: [0; 2],
+            };
+            let (head, starts) = slot.split_at_mut(size_of::<Header>());
+            head.copy_from_slice(bytemuck::bytes_of(&header));
+            let values = &self.starts[chunk.trajectory];
+            starts[..values.len()].copy_from_slice(values);
+        }
+        data
+    }
+}
+
+const fn size(precision: Precision) -> usize {
+    match precision {
+        Precision::F32 => 4,
+        Precision::F64 => 8,
+    }
+}
+
+/// Bytes of one part's largest buffer: more would not be faster, and every part also takes memory on the host.
+const LARGEST_BUFFER: u64 = 512 << 20;
+
+/// Candidates that one part may have: by storage bindings, buffers and the number of workgroups.
+fn largest_part(gpu: &Gpu, program: &Program, layout: &Layout, options: &GpuOptions) -> Result<usize, GpuError> {
+    let rows =
+        prologue::rows(program, layout).max(program.carried.len()).max(layout.chunks.len() * layout.totals_a_chunk);
+    let Limits { max_buffer_size, max_storage_buffer_binding_size, .. } = gpu.limits;
+    let limit = max_buffer_size.min(max_storage_buffer_binding_size);
+    let candidate = (rows.max(1) * size(options.precision)) as u64;
+    let by_memory = usize::try_from(limit.min(LARGEST_BUFFER) / candidate).unwrap_or(usize::MAX);
+    if by_memory < WORKGROUP {
+        return Err(GpuError::TooLong { bytes: WORKGROUP as u64 * candidate, limit });
+    }
+    let by_groups = (gpu.limits.max_compute_workgroups_per_dimension as usize).saturating_mul(WORKGROUP);
+    let part = by_memory.min(by_groups).min(options.largest_part.unwrap_or(usize::MAX));
+    Ok((part / WORKGROUP * WORKGROUP).max(WORKGROUP))
+}
+
+/// Bytes of the record of all chunks, as [`upload_record`] lays them out.
+fn record_bytes(gpu: &Gpu, layout: &Layout) -> u64 {
+    let alignment = u64::from(gpu.limits.min_uniform_buffer_offset_alignment.max(16));
+    let bytes = |chunk: &layout::Chunk| 16 * (chunk.rows.len() * layout.packs_a_row) as u64;
+    let chunks: u64 = layout.chunks.iter().map(|chunk| bytes(chunk).next_multiple_of(alignment)).sum();
+    chunks + 16 * Layout::RECORD as u64
+}
+
+fn compile(gpu: &Gpu, source: String, layout: &Layout) -> (wgpu::ComputePipeline, wgpu::BindGroupLayout) {
+    let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some("filter"),
+        source: wgpu::ShaderSource::Wgsl(source.into()),
+    });
+    let uniform = |size: usize| wgpu::BindingType::Buffer {
+        ty: wgpu::BufferBindingType::Uniform,
+        has_dynamic_offset: true,
+        min_binding_size: std::num::NonZeroU64::new(size as u64),
+    };
+    let storage = |read_only| wgpu::BindingType::Buffer {
+        ty: wgpu::BufferBindingType::Storage { read_only },
+        has_dynamic_offset: false,
+        min_binding_size: None,
+    };
+    let types =
+        [uniform(16 * Layout::RECORD), uniform(layout.header_bytes()), storage(true), storage(false), storage(false)];
+    let visibility = wgpu::ShaderStages::COMPUTE;
+    let entries: Vec<wgpu::BindGroupLayoutEntry> = (0..)
+        .zip(types)
+        .map(|(binding, ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None })
+        .collect();
+    let bindings =
+        gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries: &entries });
+    let pipeline_layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: None,
+        bind_group_layouts: &[Some(&bindings)],
+        immediate_size: 0,
+    });
+    let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some("filter"),
+        layout: Some(&pipeline_layout),
+        module: &module,
+        entry_point: Some("main"),
+        compilation_options: wgpu::PipelineCompilationOptions::default(),
+        cache: None,
+    });
+    (pipeline, bindings)
+}
+
+/// The record of every chunk in one buffer; chunks overlap in the padding that each dispatch binds behind its own.
+fn upload_record(gpu: &Gpu, program: &Program, layout: &Layout, precision: Precision) -> (wgpu::Buffer, Vec<u32>) {
+    let alignment = gpu.limits.min_uniform_buffer_offset_alignment.max(16) as usize;
+    let mut offsets = Vec::with_capacity(layout.chunks.len());
+    let mut data: Vec<u8> = Vec::new();
+    for chunk in &layout.chunks {
+        data.resize(data.len().next_multiple_of(alignment), 0);
+        offsets.push(u32::try_from(data.len()).unwrap_or(u32::MAX));
+        data.extend(layout::record(program, layout, chunk, precision));
+    }
+    data.resize(data.len() + 16 * Layout::RECORD, 0);
+    let buffer = gpu.buffer("record", data.len() as u64, Usage::UNIFORM | Usage::COPY_DST);
+    gpu.queue.write_buffer(&buffer, 0, &data);
+    (buffer, offsets)
+}

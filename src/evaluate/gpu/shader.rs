@@ -1,0 +1,198 @@
+//! The kernel of a program: the skeleton of `shaders/filter.wgsl` with the traced step printed into it.
+
+use super::GpuError;
+use super::layout::Layout;
+use crate::evaluate::Precision;
+use crate::filter::{Program, Role};
+use crate::tape::lanes::Lane;
+use crate::tape::wgsl::{Printer, WgslError, literal};
+use std::fmt::Write;
+
+const SKELETON: &str = include_str!("../../../shaders/filter.wgsl");
+
+/// Assembles the WGSL of a program.
+///
+/// # Errors
+/// If the step needs a function that the number format lacks, or a row of the record is too wide for a kernel.
+pub fn assemble(program: &Program, precision: Precision) -> Result<String, GpuError> {
+    let layout = Layout::new(program, precision);
+    if !layout.fits() {
+        let limit = Layout::RECORD / Program::BLOCK * Layout::width(precision);
+        return Err(GpuError::TooWide { columns: program.columns, limit });
+    }
+    let (step, result) = step(program, precision)?;
+    let parts = Parts { program, precision, layout: &layout };
+    let mut text = String::with_capacity(SKELETON.len() + 2 * step.len());
+    for line in SKELETON.lines() {
+        let indent = &line[..line.len() - line.trim_start().len()];
+        let Some(marker) = line.trim_start().strip_prefix("//# ") else {
+            text.push_str(&line.replace("STARTS", &layout.starts().to_string()).replace("SPLIT", &parts.split_mask()));
+            text.push('\n');
+            continue;
+        };
+        let block = match marker {
+            "types" => parts.types(),
+            "functions" => parts.functions().to_owned(),
+            "invariants" => parts.invariants(),
+            "carried" => parts.carried(),
+            "start" => parts.start(),
+            "load" => parts.load(),
+            "sums" => parts.sums()?,
+            "record" => parts.record(),
+            "step" => step.clone() + &result,
+            "split" => parts.split(),
+            "move" => parts.move_sums()?,
+            _ => parts.store(),
+        };
+        for line in block.lines() {
+            let _ = writeln!(text, "{indent}{line}");
+        }
+    }
+    Ok(text)
+}
+
+/// The step, and the assignments that carry its results to the next row.
+fn step(program: &Program, precision: Precision) -> Result<(String, String), WgslError> {
+    let invariants = (0..program.invariants).map(|i| format!("i{i}"));
+    let registers: Vec<String> = (0..program.carried.len()).map(|i| format!("c{i}")).chain(invariants).collect();
+    let columns = (0..program.columns).map(|c| Ok(column(c, precision)));
+    let constants = program.constants.iter().map(|value| literal(*value, precision));
+    let scalars: Vec<String> = columns.chain(constants).collect::<Result<_, _>>()?;
+    let printer = Printer { precision, registers: &registers, scalars: &scalars };
+    let (text, names) = printer.print(&program.step)?;
+    let mut result = String::new();
+    for (i, register) in registers.iter().enumerate().take(program.carried.len()) {
+        if names[i] != *register {
+            let _ = writeln!(result, "{register} = {};", names[i]);
+        }
+    }
+    Ok((text, result))
+}
+
+/// Column `c` of the row at hand.
+fn column(c: usize, precision: Precision) -> String {
+    let width = Layout::width(precision);
+    format!("q{}.{}", c / width, ["x", "y", "z", "w"][c % width])
+}
+
+/// The pieces that are printed into the skeleton.
+struct Parts<'a> {
+    program: &'a Program,
+    precision: Precision,
+    layout: &'a Layout,
+}
+
+impl Parts<'_> {
+    fn types(&self) -> String {
+        let (real, pack) = match self.precision {
+            Precision::F32 => ("f32", "vec4<f32>"),
+            Precision::F64 => ("f64", "vec2<f64>"),
+        };
+        format!(
+            "alias Real = {real};\nalias Pack = {pack};\nconst RECORD: u32 = {}u;\nconst PACKS_A_ROW: u32 = {}u;",
+            Layout::RECORD,
+            self.layout.packs_a_row
+        )
+    }
+
+    /// Comparisons see finite numbers only: in f32 by their bits, which no compiler may assume away.
+    const fn functions(&self) -> &'static str {
+        match self.precision {
+            Precision::F32 => include_str!("../../../shaders/lib/single.wgsl"),
+            Precision::F64 => include_str!("../../../shaders/lib/double.wgsl"),
+        }
+    }
+
+    fn split_mask(&self) -> String {
+        let steps = match self.precision {
+            Precision::F32 => f32::STEPS_PER_SPLIT,
+            Precision::F64 => f64::STEPS_PER_SPLIT,
+        };
+        format!("{}u", steps - 1)
+    }
+
+    fn invariants(&self) -> String {
+        lines(0..self.program.invariants, |i| format!("let i{i} = prologue[{i}u * stride + candidate];"))
+    }
+
+    fn carried(&self) -> String {
+        lines(0..self.program.carried.len(), |i| format!("var c{i}: Real; // {}", self.program.carried[i].name))
+    }
+
+    /// Initial states: uniform ones from the chunk, the others from the prologue; then sums, products, check.
+    fn start(&self) -> String {
+        let width = Layout::width(self.precision);
+        let (mut uniform, mut varying) = (0, 0);
+        lines(0..self.program.carried.len(), |i| match self.program.carried[i].role {
+            Role::State if self.program.varies[i] => {
+                varying += 1;
+                format!("c{i} = prologue[(chunk.initial + {}u) * stride + candidate];", varying - 1)
+            }
+            Role::State => {
+                uniform += 1;
+                let at = uniform - 1;
+                format!("c{i} = chunk.starts[{}].{};", at / width, ["x", "y", "z", "w"][at % width])
+            }
+            Role::Sum | Role::Product | Role::Check => format!("c{i} = {};", self.neutral(i)),
+        })
+    }
+
+    fn load(&self) -> String {
+        lines(0..self.program.carried.len(), |i| match self.program.carried[i].role {
+            Role::State => format!("c{i} = carried[{i}u * stride + candidate];"),
+            _ => format!("c{i} = {};", self.neutral(i)),
+        })
+    }
+
+    /// Sums restart at 0 in every chunk, products and the check at 1.
+    fn neutral(&self, i: usize) -> &'static str {
+        if self.program.carried[i].role == Role::Sum { "Real(0.0)" } else { "Real(1.0)" }
+    }
+
+    fn sums(&self) -> Result<String, WgslError> {
+        let zero = literal(0.0, self.precision)?;
+        Ok(lines(self.slots(), |i| format!("var t{i}: Real = {zero};")))
+    }
+
+    fn record(&self) -> String {
+        lines(0..self.layout.packs_a_row, |p| format!("let q{p} = record[row * PACKS_A_ROW + {p}u];"))
+    }
+
+    /// Carried registers that are summed or multiplied up.
+    fn slots(&self) -> impl Iterator<Item = usize> {
+        let carried = self.program.carried.iter().enumerate();
+        carried.filter(|(_, c)| matches!(c.role, Role::Sum | Role::Product)).map(|(i, _)| i)
+    }
+
+    fn split(&self) -> String {
+        let products = self.slots().filter(|i| self.program.carried[*i].role == Role::Product);
+        lines(products, |i| format!("t{i} = t{i} + exponent(c{i});\nc{i} = mantissa(c{i});"))
+    }
+
+    fn move_sums(&self) -> Result<String, WgslError> {
+        let zero = literal(0.0, self.precision)?;
+        let sums = self.slots().filter(|i| self.program.carried[*i].role == Role::Sum);
+        Ok(lines(sums, |i| format!("t{i} = t{i} + c{i};\nc{i} = {zero};")))
+    }
+
+    /// States for the next chunk; totals: sums, (exponent, mantissa) of products, the check.
+    fn store(&self) -> String {
+        let mut total = 0;
+        lines(0..self.program.carried.len(), |i| {
+            let mut put = |value: String| {
+                total += 1;
+                format!("totals[(chunk.totals + {}u) * stride + candidate] = {value};", total - 1)
+            };
+            match self.program.carried[i].role {
+                Role::State => format!("carried[{i}u * stride + candidate] = c{i};"),
+                Role::Sum => put(format!("t{i}")),
+                Role::Product => put(format!("t{i}")) + "\n" + &put(format!("c{i}")),
+                Role::Check => put(format!("c{i}")),
+            }
+        })
+    }
+}
+
+fn lines(items: impl IntoIterator<Item = usize>, line: impl FnMut(usize) -> String) -> String {
+    items.into_iter().map(line).collect::<Vec<_>>().join("\n")
+}

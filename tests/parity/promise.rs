@@ -1,0 +1,70 @@
+//! What is promised of a cost, and how far costs are from it.
+
+use crate::case::{Case, Costs};
+use kfgpu::evaluate::Evaluation;
+use kfgpu::objective::Kind;
+
+/// What f64 promises: 1e-10 of a cost, or of 1 where it is smaller.
+pub(crate) fn double(_: &Case, _: Kind, expected: f64) -> f64 {
+    1e-10 * expected.abs().max(1.0)
+}
+
+/// What f32 promises (semantics.md): nll per step, f1, rmse, f2. `distance` is held to what rmse is, `nis` and `nees`,
+/// which nobody promised, to 1e-4.
+pub(crate) fn single(case: &Case, kind: Kind, expected: f64) -> f64 {
+    let rows = case.log.rows() as f64;
+    match kind {
+        Kind::Nll => 1e-5 * rows * (expected / rows).abs().max(1.0),
+        Kind::Mismatch => 1e-3,
+        Kind::Nis | Kind::Nees | Kind::NisMean => 1e-4 * (1.0 + expected),
+        Kind::MseInnovation | Kind::Rmse | Kind::Distance => 1e-5 * expected,
+    }
+}
+
+/// Sentences on candidates that one side fails and the other does not.
+pub(crate) fn unequal_status(case: &Case, costs: &Costs, evaluation: &Evaluation) -> Vec<String> {
+    let unequal = (0..costs.len()).filter(|i| evaluation.status(*i).is_ok() != costs[*i].is_some());
+    let describe = |i: usize| {
+        let (candidate, status, found) = (case.population.row(i), evaluation.status(i), evaluation.costs(i));
+        format!("{}: candidate {i} {candidate:?}: lanes {status:?} {found:?}, reference {:?}", case.name, costs[i])
+    };
+    unequal.map(describe).collect()
+}
+
+/// Worst error of any cost in units of its promise.
+pub(crate) fn worst(case: &Case, costs: &Costs, evaluation: &Evaluation, promise: fn(&Case, Kind, f64) -> f64) -> f64 {
+    let mut worst: f64 = 0.0;
+    for (i, expected) in costs.iter().enumerate() {
+        let candidate = case.population.row(i);
+        let Some(expected) = expected else { continue };
+        for ((objective, cost), expected) in case.problem.tune.objectives.iter().zip(evaluation.costs(i)).zip(expected)
+        {
+            let error = (cost - expected).abs() / promise(case, objective.kind, *expected);
+            if std::env::var_os("KFGPU_PARITY_PRINT").is_some() && error > 1.0 {
+                println!("{} {i} {candidate:?} {}: {cost} against {expected}", case.name, objective.name());
+            }
+            worst = worst.max(error);
+        }
+    }
+    worst
+}
+
+/// Pairs of candidates whose order the lanes turn round although the reference puts more than the promise between them.
+pub(crate) fn misplaced(
+    case: &Case,
+    costs: &Costs,
+    evaluation: &Evaluation,
+    promise: fn(&Case, Kind, f64) -> f64,
+) -> usize {
+    let usable: Vec<usize> = (0..costs.len()).filter(|i| costs[*i].is_some()).collect();
+    let mut found = 0;
+    for (objective, k) in case.problem.tune.objectives.iter().zip(0..) {
+        let expected = |i: usize| costs[i].as_ref().map_or(f64::NAN, |c| c[k]);
+        for &a in &usable {
+            let clear = |b: &&usize| expected(**b) - expected(a) > promise(case, objective.kind, expected(**b));
+            let turned = |b: &&usize| evaluation.costs(**b)[k] <= evaluation.costs(a)[k];
+            found += usable.iter().filter(clear).filter(turned).count();
+        }
+    }
+    found
+}

@@ -101,3 +101,42 @@ impl Gpu {
 fn first_line(text: &str) -> String {
     text.lines().map(str::trim).filter(|l| !l.is_empty()).take(3).collect::<Vec<_>>().join(": ")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::gpu::adapters;
+
+    /// The first adapter, opened; tests/gpu decides whether a machine without one may pass.
+    fn gpu() -> Option<Gpu> {
+        let name = adapters().into_iter().next()?.name;
+        Some(Gpu::open(Some(&name), Precision::F32).unwrap())
+    }
+
+    #[test]
+    fn what_the_driver_refuses_is_an_error_and_no_panic() {
+        let Some(gpu) = gpu() else { return };
+        let refused = gpu.guarded(|| {
+            gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: None,
+                source: wgpu::ShaderSource::Wgsl("@compute fn main() { let a = ; }".into()),
+            })
+        });
+        let message = refused.err().unwrap().to_string();
+        assert!(message.contains("expected expression") && !message.contains('\n'), "{message}");
+        let huge = gpu.guarded(|| gpu.buffer("huge", 1 << 60, wgpu::BufferUsages::STORAGE));
+        assert!(huge.is_err(), "larger than any limit");
+        assert_eq!(gpu.guarded(|| 7), Ok(7), "nothing is left over for the work after it");
+    }
+
+    #[test]
+    fn a_lost_device_answers_every_call_with_an_error() {
+        let Some(gpu) = gpu() else { return };
+        let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+        let before = gpu.guarded(|| gpu.buffer("read", 64, usage)).unwrap();
+        assert_eq!(gpu.read(&before, 64, <[u8]>::len), Ok(64), "it works before");
+        gpu.device.destroy();
+        assert!(gpu.read(&before, 64, <[u8]>::len).is_err(), "mapping");
+        assert!(gpu.guarded(|| gpu.queue.write_buffer(&before, 0, &[0; 64])).is_err(), "writing");
+    }
+}

@@ -93,6 +93,7 @@ fn the_readme_shows_the_shipped_rocket() {
 }
 
 /// Every command in code is a verb of the program, and every verb is shown.
+#[cfg(feature = "gpu")]
 #[test]
 fn every_command_shown_exists_and_every_verb_is_shown() {
     let mut shown = BTreeSet::new();
@@ -111,6 +112,7 @@ fn every_command_shown_exists_and_every_verb_is_shown() {
     }
 }
 
+#[cfg(feature = "gpu")]
 fn succeeds(arguments: &[&str]) -> bool {
     Command::new(env!("CARGO_BIN_EXE_kfgpu")).args(arguments).output().unwrap().status.success()
 }

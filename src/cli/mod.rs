@@ -3,6 +3,7 @@
 mod bench;
 mod candidates;
 mod console;
+#[cfg(feature = "gpu")]
 mod devices;
 mod evaluate;
 mod evaluator;
@@ -16,6 +17,7 @@ mod overrides;
 mod paths;
 mod progress;
 mod results;
+#[cfg(feature = "gpu")]
 mod shader;
 mod simulate;
 mod tape;
@@ -54,7 +56,9 @@ enum Verb {
     Simulate(simulate::Simulate),
     Evaluate(evaluate::Evaluate),
     Bench(bench::Bench),
+    #[cfg(feature = "gpu")]
     Devices(devices::Devices),
+    #[cfg(feature = "gpu")]
     Shader(shader::Shader),
 }
 
@@ -108,7 +112,9 @@ impl Verb {
             Self::Simulate(verb) => verb.run(console),
             Self::Evaluate(verb) => verb.run(console),
             Self::Bench(verb) => verb.run(console),
+            #[cfg(feature = "gpu")]
             Self::Devices(verb) => verb.run(console),
+            #[cfg(feature = "gpu")]
             Self::Shader(verb) => verb.run(console),
         }
     }

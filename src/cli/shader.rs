@@ -25,7 +25,6 @@ pub(super) struct Shader {
 }
 
 impl Shader {
-    #[cfg(feature = "gpu")]
     pub(super) fn run(&self, console: Console) -> anyhow::Result<Ending> {
         let loaded = load::load(Some(&self.problem), self.data.as_deref(), console)?;
         let precision = self.precision.on_gpu();
@@ -34,10 +33,5 @@ impl Shader {
         let evaluator = CpuEvaluator::new(problem, log, options)?;
         files::print(&crate::evaluate::gpu::assemble(evaluator.program(), precision)?)?;
         Ok(Ending::Done)
-    }
-
-    #[cfg(not(feature = "gpu"))]
-    pub(super) fn run(&self, _console: Console) -> anyhow::Result<Ending> {
-        anyhow::bail!(super::evaluator::BUILT_WITHOUT)
     }
 }

@@ -17,11 +17,11 @@ pub struct AdapterInfo {
     pub f64: bool,
     /// Whether a kernel can be timed on it.
     pub timestamps: bool,
-    /// Largest storage buffer a kernel can bind [bytes].
+    /// Largest storage buffer a kernel can bind \[bytes\].
     pub max_binding: u64,
-    /// Largest buffer [bytes].
+    /// Largest buffer \[bytes\].
     pub max_buffer: u64,
-    /// Largest uniform buffer a kernel can bind [bytes].
+    /// Largest uniform buffer a kernel can bind \[bytes\].
     pub max_uniform: u64,
 }
 

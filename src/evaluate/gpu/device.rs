@@ -56,7 +56,7 @@ impl Gpu {
         let errors = scopes.into_iter().rev().filter_map(|scope| pollster::block_on(scope.pop()));
         match errors.last() {
             None => Ok(result),
-            Some(error) => Err(GpuFailure(first_line(&error.to_string()))),
+            Some(error) => Err(GpuFailure(sentence(&error.to_string()))),
         }
     }
 
@@ -98,6 +98,50 @@ impl Gpu {
     }
 }
 
-fn first_line(text: &str) -> String {
-    text.lines().map(str::trim).filter(|l| !l.is_empty()).take(3).collect::<Vec<_>>().join(": ")
+/// What wgpu says, which is several lines with a frame around the place in the shader, as one.
+fn sentence(text: &str) -> String {
+    let says_something = |line: &&str| line.starts_with(char::is_alphanumeric) && *line != "Caused by:";
+    let lines = text.lines().map(str::trim).filter(says_something).take(4);
+    lines.map(|line| line.trim_end_matches(':')).collect::<Vec<_>>().join(": ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::gpu::adapters;
+
+    /// The first adapter, opened; tests/gpu decides whether a machine without one may pass.
+    fn gpu() -> Option<Gpu> {
+        let name = adapters().into_iter().next()?.name;
+        Some(Gpu::open(Some(&name), Precision::F32).unwrap())
+    }
+
+    #[test]
+    fn what_the_driver_refuses_is_an_error_and_no_panic() {
+        let Some(gpu) = gpu() else { return };
+        let refused = gpu.guarded(|| {
+            gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: None,
+                source: wgpu::ShaderSource::Wgsl("@compute fn main() { let a = ; }".into()),
+            })
+        });
+        let message = refused.err().unwrap().to_string();
+        assert!(message.contains("expected expression") && !message.contains('\n'), "{message}");
+        let huge = gpu.guarded(|| gpu.buffer("huge", 1 << 60, wgpu::BufferUsages::STORAGE));
+        assert!(huge.is_err(), "larger than any limit");
+        assert_eq!(gpu.guarded(|| 7), Ok(7), "nothing is left over for the work after it");
+    }
+
+    #[test]
+    fn a_lost_device_hands_nothing_over() {
+        let Some(gpu) = gpu() else { return };
+        let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+        let before = gpu.guarded(|| gpu.buffer("read", 64, usage)).unwrap();
+        assert_eq!(gpu.read(&before, 64, <[u8]>::len), Ok(64), "it works before");
+        gpu.device.destroy();
+        // Error scopes say nothing of a loss: whoever reads finds out.
+        let after = gpu.guarded(|| gpu.buffer("read", 64, usage)).unwrap_or(before.clone());
+        assert!(gpu.read(&before, 64, <[u8]>::len).is_err(), "a buffer from before");
+        assert!(gpu.read(&after, 64, <[u8]>::len).is_err(), "and one from after");
+    }
 }

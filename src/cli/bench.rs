@@ -8,7 +8,7 @@ use anyhow::ensure;
 use clap::{Args, ValueEnum};
 
 use super::console::Console;
-use super::options::PrecisionChoice;
+use super::options::{self, PrecisionChoice};
 use super::{Ending, files, load};
 use crate::bench::{self, Options, Subject, Workload};
 
@@ -25,7 +25,7 @@ pub(super) struct Bench {
     workload: Option<Workload>,
 
     /// Candidates a run (default: 1024); more fill more lanes and threads.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = options::candidates)]
     n: Option<NonZeroUsize>,
 
     /// Use only the first rows of each trajectory (default: all), for programs too slow for the whole log.
@@ -37,7 +37,7 @@ pub(super) struct Bench {
     precision: PrecisionChoice,
 
     /// Threads (default: 1, so that figures compare core by core).
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = options::threads)]
     threads: Option<NonZeroUsize>,
 
     /// Where to compute; this version has the CPU only.

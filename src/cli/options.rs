@@ -19,15 +19,30 @@ pub(super) struct Compute {
     #[arg(long, value_name = "NAME")]
     pub(super) adapter: Option<String>,
 
-    /// Number format of the search; `auto` is f64 on the CPU and f32 on a GPU. f32 is about twice as fast on a CPU,
-    /// many times on a GPU, and is re-scored in f64 at the end.
+    /// Number format of the costs; `auto` is f64 on the CPU and f32 on a GPU. f32 is about twice as fast on a CPU, many
+    /// times on a GPU, and less exact; `tune` re-scores its winner in f64.
     #[arg(long, value_enum, default_value_t = PrecisionChoice::Auto, value_name = "FORMAT")]
     pub(super) precision: PrecisionChoice,
 
     /// Threads that compute candidates (default: one per core). No result depends on it; give 1 to leave the other
     /// cores alone.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = threads)]
     pub(super) threads: Option<NonZeroUsize>,
+}
+
+/// A number of threads that can be started in a moment: far more than cores gain nothing and take minutes.
+pub(super) fn threads(text: &str) -> Result<NonZeroUsize, String> {
+    up_to(1024, text)
+}
+
+/// A number of candidates a run: as many as a problem's `tune.population` may have.
+pub(super) fn candidates(text: &str) -> Result<NonZeroUsize, String> {
+    up_to(16_777_216, text)
+}
+
+fn up_to(most: usize, text: &str) -> Result<NonZeroUsize, String> {
+    let number = text.parse().ok().filter(|number: &NonZeroUsize| number.get() <= most);
+    number.ok_or_else(|| format!("expected a whole number from 1 to {most}"))
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -29,7 +29,7 @@ pub enum LogError {
     #[error("[data] names no file (add `file = \"LOG.csv\"`, or `file = \"-\"` for standard input)")]
     Unnamed,
     /// No such file.
-    #[error("{file}: no such file (a path in a problem file is relative to the folder of that file)")]
+    #[error("{file}: no such file (check the name; a path in a problem file is relative to the folder of that file)")]
     NotFound { file: Box<str> },
     /// A folder instead of a file.
     #[error("{file}: is a folder, expected a CSV file (name the file in it)")]

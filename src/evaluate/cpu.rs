@@ -32,14 +32,6 @@ pub enum BuildError {
     /// The filter cannot be traced.
     #[error(transparent)]
     Trace(#[from] TraceError),
-    /// No threads.
-    #[error("cannot start {threads} threads: {reason} (use --threads 1)")]
-    Threads {
-        /// Number asked for.
-        threads: usize,
-        /// What the system says.
-        reason: String,
-    },
 }
 
 /// Scores populations on the CPU.
@@ -60,7 +52,7 @@ impl CpuEvaluator {
     /// An evaluator of the problem's own objectives.
     ///
     /// # Errors
-    /// If the filter cannot be traced, or threads cannot be started.
+    /// If the filter cannot be traced.
     pub fn new(problem: &Problem, log: &Log, options: CpuOptions) -> Result<Self, BuildError> {
         Self::with_objectives(problem, log, &problem.tune.objectives, options)
     }

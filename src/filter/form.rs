@@ -1,7 +1,8 @@
 //! In which form the covariance is carried, and why.
 
+use super::error::TraceError;
 use super::formula::{self, Scope};
-use super::kalman::{TraceError, Tracer};
+use super::tracer::Tracer;
 use crate::model::{Parameters, Search};
 use crate::tape::{Calculator, Id, Leaf};
 use std::fmt::{self, Display, Formatter};

@@ -2,49 +2,20 @@
 //! one decorrelated scalar at a time (Bierman 1977, ch. V), so that nothing is ever inverted.
 #![expect(non_snake_case, reason = "Kalman notation: F, H, Q, R, P, S, K")]
 
-use super::columns::{Columns, Place, Rows};
 use super::covariance::{Covariance, Scalar};
-use super::form::Form;
-use super::formula::{self, Scope};
-use super::nominal::Nominal;
 use super::symmetric::Symmetric;
-use crate::model::{Expr, First, Problem, Start};
-use crate::tape::{Graph, Id, Leaf};
-
-/// Why a problem cannot be traced.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum TraceError {
-    /// A Jacobian depends on the state.
-    #[error("{formula} `{name}` is not linear in the states: the kalman filter needs linear f and h")]
-    NotLinear {
-        /// `f` or `h`.
-        formula: &'static str,
-        /// The state or measurement it belongs to.
-        name: String,
-    },
-    /// f32 would lose the answer.
-    #[error(
-        "{formula} `{name}` mixes searched parameters with dt or inputs, which single precision cannot hold: use --precision f64"
-    )]
-    NeedsF64 {
-        /// `f` or `h`.
-        formula: &'static str,
-        /// The state or measurement it belongs to.
-        name: String,
-    },
-}
+use crate::tape::{Graph, Id};
 
 /// One row's worth of the recursion, as nodes: x' = F x + drift + w, z = H x + v.
 ///
 /// With a nominal (the deviation form) x is the deviation from it, and drift and z are corrected for it: exact algebra.
 pub(super) struct Recursion {
-    F: Vec<Vec<Id>>,
-    H: Vec<Vec<Id>>,
-    Q: Symmetric,
-    R: Symmetric,
-    drift: Vec<Id>,
-    z: Vec<Id>,
+    pub(super) F: Vec<Vec<Id>>,
+    pub(super) H: Vec<Vec<Id>>,
+    pub(super) Q: Symmetric,
+    pub(super) R: Symmetric,
+    pub(super) drift: Vec<Id>,
+    pub(super) z: Vec<Id>,
     /// 1 where a component updates, 0 where it is missing.
     pub(super) present: Vec<Id>,
 }
@@ -59,200 +30,6 @@ pub(super) struct Update {
     pub(super) pivots: Vec<Id>,
     /// Their normalised squares: their sum is the NIS over the present components.
     pub(super) nis: Vec<Id>,
-}
-
-/// A linear map with its offset: rows of the Jacobian, and the value at x = 0.
-struct Affine {
-    jacobian: Vec<Vec<Id>>,
-    offset: Vec<Id>,
-}
-
-/// A linear map around the nominal. Its offset is `fixed + moved`, kept apart because `fixed` may be hundreds of
-/// kilometres: it must meet what it cancels (z) in f64, before single precision adds a candidate's own share.
-struct Local {
-    jacobian: Vec<Vec<Id>>,
-    /// The same for every candidate.
-    fixed: Vec<Id>,
-    /// What the candidate's parameters change; 0 where they do not stand in the formula.
-    moved: Vec<Id>,
-}
-
-/// Everything that tracing a filter needs.
-pub(super) struct Tracer<'a> {
-    pub(super) g: Graph,
-    pub(super) columns: &'a mut Columns,
-    pub(super) rows: &'a Rows<'a>,
-    pub(super) problem: &'a Problem,
-    pub(super) nominal: Option<&'a Nominal>,
-}
-
-impl Tracer<'_> {
-    /// The recursion over the rows of the log.
-    pub(super) fn recursion(&mut self) -> Result<Recursion, TraceError> {
-        let model = &self.problem.model;
-        let m = model.measurements.len();
-        let (inputs, dt) = self.inputs();
-        let z: Vec<Id> =
-            (0..m).map(|i| self.column(|place| zero_if_missing(place.trajectory.z.row(place.k)[i]))).collect();
-        let present = (0..m).map(|i| self.column(|place| f64::from(u8::from(place.present(i))))).collect();
-        let f = self.linear(&model.f, &inputs, dt, ("f", &model.states))?;
-        let h = self.linear(&model.h, &inputs, dt, ("h", &model.measurements))?;
-        let (mut innovations, mut drift) = (Vec::with_capacity(m), Vec::with_capacity(f.fixed.len()));
-        for (z, (fixed, moved)) in z.iter().zip(h.fixed.iter().zip(&h.moved)) {
-            let z = self.g.sub(*z, *fixed);
-            innovations.push(self.g.sub(z, *moved));
-        }
-        for (fixed, moved) in f.fixed.iter().zip(&f.moved) {
-            drift.push(self.g.add(*fixed, *moved));
-        }
-        let parameters = formula::parameters(&mut self.g, &self.problem.parameters, None);
-        let scope = Scope { states: &[], parameters: &parameters, inputs: &inputs, dt };
-        let (Q, R) = (self.covariance(&model.q, scope), self.covariance(&model.r, scope));
-        Ok(Recursion { F: f.jacobian, H: h.jacobian, Q, R, drift, z: innovations, present })
-    }
-
-    /// H and h(0) of a candidate, at every row.
-    pub(super) fn measurement_map(&mut self, candidate: &[f64]) -> Result<(Vec<Vec<Id>>, Vec<Id>), TraceError> {
-        let model = &self.problem.model;
-        let (inputs, dt) = self.inputs();
-        let h = self.affine(&model.h, Some(candidate), &inputs, dt, ("h", &model.measurements))?;
-        Ok((h.jacobian, h.offset))
-    }
-
-    /// Inputs and dt of every row. What follows the last row is never used: dt repeats there and inputs may be 0.
-    pub(super) fn inputs(&mut self) -> (Vec<Id>, Id) {
-        let dt = self.column(|place| place.dt());
-        let inputs = (0..self.problem.model.inputs.len())
-            .map(|i| self.column(|place| zero_if_missing(place.trajectory.u.row(place.k)[i])))
-            .collect();
-        (inputs, dt)
-    }
-
-    /// The node of a value for every used row.
-    fn column(&mut self, value: impl Fn(Place<'_>) -> f64) -> Id {
-        self.columns.node(&mut self.g, self.rows.places().map(value).collect())
-    }
-
-    /// The recursion that steps from one interval before the first row to it.
-    fn first_step(&mut self, dt: f64) -> Result<Recursion, TraceError> {
-        let model = &self.problem.model;
-        let dt = self.g.constant(dt);
-        let f = self.affine(&model.f, None, &[], dt, ("f", &model.states))?;
-        let parameters = formula::parameters(&mut self.g, &self.problem.parameters, None);
-        let scope = Scope { states: &[], parameters: &parameters, inputs: &[], dt };
-        let Q = self.covariance(&model.q, scope);
-        let R = Symmetric::from_fn(0, |_, _| dt);
-        Ok(Recursion { F: f.jacobian, H: vec![], Q, R, drift: f.offset, z: vec![], present: vec![] })
-    }
-
-    /// x0 and P0 at the first row, in deviation from the nominal if there is one.
-    pub(super) fn start(&mut self, form: Form) -> Result<(Vec<Id>, Covariance), TraceError> {
-        let model = &self.problem.model;
-        let n = model.states.len();
-        let parameters = formula::parameters(&mut self.g, &self.problem.parameters, None);
-        let dt = self.g.constant(f64::NAN);
-        let scope = Scope { states: &[], parameters: &parameters, inputs: &[], dt };
-        let mut x: Vec<Id> = match &model.x0 {
-            Start::Values(values) => values.iter().map(|v| formula::trace(&mut self.g, v, scope)).collect(),
-            Start::Measurement => (0..n).map(|i| self.g.leaf(Leaf::Start(narrow(i)))).collect(),
-        };
-        let P = self.covariance(&model.p0, scope);
-        let mut P = Covariance::new(&mut self.g, form, P);
-        if let First::Predict { dt } = model.first {
-            let dt = dt.or_else(|| self.rows.log.regular_dt()).unwrap_or(1.0);
-            let step = self.first_step(dt)?;
-            (x, P) = step.predict(&mut self.g, &x, &P);
-        }
-        if self.nominal.is_some() {
-            for (i, x) in x.iter_mut().enumerate() {
-                let nominal = self.g.leaf(Leaf::Start(narrow(n + i)));
-                *x = self.g.sub(*x, nominal);
-            }
-        }
-        Ok((x, P))
-    }
-
-    pub(super) fn covariance(&mut self, entries: &[Expr], scope: Scope<'_>) -> Symmetric {
-        let n = entries.len().isqrt();
-        Symmetric::from_fn(n, |i, j| formula::trace(&mut self.g, &entries[i * n + j], scope))
-    }
-
-    /// f or h around the nominal: its Jacobian, and what is to be added to F x (f) or taken from z (h).
-    fn linear(
-        &mut self,
-        formulas: &[Expr],
-        inputs: &[Id],
-        dt: Id,
-        what: (&'static str, &[String]),
-    ) -> Result<Local, TraceError> {
-        let theta = self.affine(formulas, None, inputs, dt, what)?;
-        let Some(nominal) = self.nominal else {
-            let moved = vec![self.g.constant(0.0); formulas.len()];
-            return Ok(Local { jacobian: theta.jacobian, fixed: theta.offset, moved });
-        };
-        let at = self.affine(formulas, Some(&nominal.candidate), inputs, dt, what)?;
-        let n = self.problem.model.states.len();
-        let x: Vec<Id> = (0..n).map(|i| self.columns.node(&mut self.g, nominal.at(i))).collect();
-        let mut local = Local { jacobian: vec![], fixed: vec![], moved: vec![] };
-        for i in 0..formulas.len() {
-            // f_theta0(x_nom) is the same for every candidate and is taken in f64, once; what theta changes is added:
-            // [F_theta - F_theta0] x_nom + c_theta - c_theta0, which vanishes where theta does not stand in the formula.
-            let fixed = self.g.dot(at.jacobian[i].iter().copied().zip(x.iter().copied()));
-            let mut fixed = self.g.add(fixed, at.offset[i]);
-            if what.0 == "f" {
-                let next = self.columns.node(&mut self.g, nominal.next(i, self.rows));
-                fixed = self.g.sub(fixed, next);
-            }
-            let change = self.g.sub(theta.offset[i], at.offset[i]);
-            self.require_invariant(change, what, i)?;
-            let mut moved = change;
-            for (j, x) in x.iter().enumerate() {
-                let change = self.g.sub(theta.jacobian[i][j], at.jacobian[i][j]);
-                self.require_invariant(change, what, i)?;
-                let share = self.g.mul(change, *x);
-                moved = self.g.add(moved, share);
-            }
-            local.fixed.push(fixed);
-            local.moved.push(moved);
-        }
-        local.jacobian = theta.jacobian;
-        Ok(local)
-    }
-
-    fn require_invariant(&self, change: Id, what: (&'static str, &[String]), i: usize) -> Result<(), TraceError> {
-        if self.g.depends(change).is_invariant() {
-            return Ok(());
-        }
-        Err(TraceError::NeedsF64 { formula: what.0, name: what.1[i].clone() })
-    }
-
-    /// Jacobian (derived, never typed) and offset of affine formulas, for the searched parameters or for a candidate.
-    fn affine(
-        &mut self,
-        formulas: &[Expr],
-        candidate: Option<&[f64]>,
-        inputs: &[Id],
-        dt: Id,
-        what: (&'static str, &[String]),
-    ) -> Result<Affine, TraceError> {
-        let n = self.problem.model.states.len();
-        let parameters = formula::parameters(&mut self.g, &self.problem.parameters, candidate);
-        let variables: Vec<Id> = (0..n).map(|j| self.g.leaf(Leaf::Variable(narrow(j)))).collect();
-        let zeros = vec![self.g.constant(0.0); n];
-        let mut affine = Affine { jacobian: vec![], offset: vec![] };
-        for (i, f) in formulas.iter().enumerate() {
-            let value =
-                formula::trace(&mut self.g, f, Scope { states: &variables, parameters: &parameters, inputs, dt });
-            let row: Vec<Id> = (0..n).map(|j| self.g.differentiate(value, Leaf::Variable(narrow(j)))).collect();
-            if row.iter().any(|d| self.g.depends(*d).has_variable()) {
-                return Err(TraceError::NotLinear { formula: what.0, name: what.1[i].clone() });
-            }
-            affine.jacobian.push(row);
-            let scope = Scope { states: &zeros, parameters: &parameters, inputs, dt };
-            affine.offset.push(formula::trace(&mut self.g, f, scope));
-        }
-        Ok(affine)
-    }
 }
 
 impl Recursion {
@@ -337,12 +114,3 @@ impl Recursion {
 
 /// Rows of (H, innovation).
 type Decorrelated = Vec<(Vec<Id>, Id)>;
-
-const fn zero_if_missing(value: f64) -> f64 {
-    if value.is_nan() { 0.0 } else { value }
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "dimensions are bounded far below 2^32")]
-pub(super) const fn narrow(i: usize) -> u32 {
-    i as u32
-}

@@ -3,6 +3,7 @@
 mod carry;
 mod columns;
 mod covariance;
+mod error;
 mod factored;
 mod form;
 mod formula;
@@ -11,12 +12,15 @@ mod nominal;
 mod program;
 mod scoring;
 mod symmetric;
+#[cfg(test)]
+mod tests;
 mod trace;
+mod tracer;
 
 pub use carry::Entry;
 pub(crate) use columns::Place;
+pub use error::TraceError;
 pub use form::Form;
-pub use kalman::TraceError;
 pub use nominal::Nominal;
 pub use program::{Carried, Program, Role, Span};
 pub(crate) use scoring::{Pools, Scoring, Traced};

@@ -3,11 +3,12 @@
 use super::carry::Partition;
 use super::columns::{Columns, Rows};
 use super::covariance::Covariance;
+use super::error::TraceError;
 use super::form::Form;
-use super::kalman::{TraceError, Tracer, narrow};
 use super::nominal::Nominal;
 use super::program::{Carried, Program, Role, Span};
 use super::scoring::{Scoring, Traced};
+use super::tracer::{Tracer, narrow};
 use crate::data::Log;
 use crate::model::{Problem, Start};
 use crate::objective::Objective;
@@ -20,7 +21,8 @@ use nalgebra::{DMatrix, DVector};
 /// [`Form`] that P0 and R call for, and without one in full.
 ///
 /// # Errors
-/// If f or h is not affine in the states, or the deviation form cannot express a searched parameter.
+/// If the log has other columns than the problem, f or h is not affine in the states, `first = "predict"` has no interval,
+/// the step has more values than operations can name, or the deviation form cannot express a searched parameter.
 pub fn trace(
     problem: &Problem,
     log: &Log,
@@ -41,6 +43,7 @@ pub fn trace_as(
     nominal: Option<Nominal>,
     form: Option<Form>,
 ) -> Result<Program, TraceError> {
+    check_columns(problem, log)?;
     let rows = Rows::new(problem, log);
     let mut columns = Columns::default();
     let (mut form, mut partition) = (form, None);
@@ -61,6 +64,13 @@ pub fn trace_as(
         program.nominal = nominal;
         return Ok(program);
     }
+}
+
+/// Values are found by their place: measurements and inputs of the log are those of the model, in its order.
+fn check_columns(problem: &Problem, log: &Log) -> Result<(), TraceError> {
+    let expected = [problem.model.measurements.len(), problem.model.inputs.len()];
+    let found = [log.measurements.len(), log.inputs.len()];
+    if found == expected { Ok(()) } else { Err(TraceError::WrongColumns { found, expected }) }
 }
 
 /// One traced step, not yet scheduled.
@@ -128,13 +138,13 @@ impl Step {
         let g = &tracer.g;
         let invariants = frontier(g, &next);
         let inputs: Vec<Id> = leaves.iter().chain(&invariants).copied().collect();
-        let mut step = Tape::new(g, &inputs, &outputs(&next, 0));
+        let mut step = Tape::new(g, &inputs, &outputs(&next, 0))?;
         step.scalars_first(|id| !g.depends(id).is_constant());
         let columns = step.scalars.iter().filter(|id| !g.depends(**id).is_constant()).count();
         let constants = step.scalars[columns..].iter().filter_map(|id| g.value(*id)).collect();
         let record = record(tracer, &step.scalars[..columns]);
         let names = step.scalars[..columns].iter().enumerate().map(|(c, _)| format!("row.{c}")).collect();
-        let (prologue, scalars) = prologue(tracer, &representatives, initial, &invariants, &starts);
+        let (prologue, scalars) = prologue(tracer, &representatives, initial, &invariants, &starts)?;
         let varies = representatives.iter().map(|e| !tracer.g.depends(initial[*e]).is_uniform()).collect();
         let spans = spans.into_iter().zip(scalars).map(|(rows, scalars)| Span { rows, scalars }).collect();
         Ok(Program {
@@ -225,11 +235,11 @@ fn prologue(
     initial: &[Id],
     invariants: &[Id],
     starts: &[Vec<f64>],
-) -> (Tape, Vec<Vec<f64>>) {
+) -> Result<(Tape, Vec<Vec<f64>>), TraceError> {
     let d = tracer.problem.parameters.dimension();
     let inputs: Vec<Id> = (0..d).map(|i| tracer.g.leaf(Leaf::Parameter(narrow(i)))).collect();
     let results: Vec<Id> = representatives.iter().map(|e| initial[*e]).chain(invariants.iter().copied()).collect();
-    let tape = Tape::new(&tracer.g, &inputs, &outputs(&results, d));
+    let tape = Tape::new(&tracer.g, &inputs, &outputs(&results, d))?;
     let mut calculator = Calculator::new(&tracer.g, &tape.scalars);
     let mut values = |start: &Vec<f64>| {
         let leaf = |leaf| match leaf {
@@ -239,7 +249,7 @@ fn prologue(
         calculator.evaluate(leaf).collect()
     };
     let scalars = starts.iter().map(&mut values).collect();
-    (tape, scalars)
+    Ok((tape, scalars))
 }
 
 /// What [`Leaf::Start`] stands for in trajectory `t`: the n states taken from the first measurement (where x0 asks for it),

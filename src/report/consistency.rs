@@ -92,6 +92,10 @@ impl fmt::Display for Consistency {
         }
         for w in &self.whiteness {
             let Whiteness { measurement, band, p_value, autocorrelation, .. } = w;
+            if !w.is_tested() {
+                writeln!(f, "  white {measurement}: too few innovations to tell")?;
+                continue;
+            }
             let (lag, lags) = (w.lag_1(), autocorrelation.len());
             writeln!(
                 f,

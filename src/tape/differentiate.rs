@@ -127,7 +127,7 @@ impl Graph {
 
 #[cfg(test)]
 mod tests {
-    use super::super::graph::Calculator;
+    use super::super::calculator::Calculator;
     use super::*;
 
     /// Every rule against a central difference.

@@ -3,14 +3,18 @@
 //! [`Graph`] holds expressions (hash-consed, simplified as they are built, differentiable); [`Tape`] is a straight line of
 //! operations with registers assigned by liveness; [`lanes`] runs it on the CPU over a block of candidates at once.
 
+mod assignment;
+mod calculator;
 mod differentiate;
 mod graph;
 pub mod lanes;
 mod print;
 mod schedule;
 mod simplify;
+mod terms;
 pub mod wgsl;
 
-pub use graph::{Binary, Calculator, Depends, Graph, Id, Leaf, Node, Unary};
+pub use calculator::Calculator;
+pub use graph::{Binary, Depends, Graph, Id, Leaf, Node, Unary};
 pub use print::{Counts, Names};
-pub use schedule::{Argument, Code, Operation, Output, Tape};
+pub use schedule::{Argument, Code, Operation, Output, Tape, TooLarge};

@@ -1,7 +1,10 @@
-//! From graph to tape: pairs fused, operations ordered, registers assigned by liveness.
+//! From graph to tape: pairs fused and operations ordered (see [`super::terms`]), registers assigned by liveness (see
+//! [`super::assignment`]).
 
-use super::graph::{Binary, Graph, Id, Node, Unary};
-use std::collections::{HashMap, HashSet};
+use super::assignment::{Assignment, narrow};
+use super::graph::{Binary, Graph, Id, Unary};
+use super::terms::Terms;
+use std::collections::HashMap;
 
 /// A straight line of operations on registers (one value a candidate) and scalars (one value for all).
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -37,6 +40,25 @@ pub enum Argument {
 impl Argument {
     /// Fills unused places.
     pub const NONE: Self = Self::Scalar(u16::MAX);
+}
+
+/// A straight line with more values than its operations can name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "the filter's formulas become {registers} candidate values and {scalars} numbers at a time, and at most {} of each fit: \
+     shorten the formulas or take fewer states",
+    Self::LIMIT
+)]
+pub struct TooLarge {
+    /// Registers needed.
+    pub registers: usize,
+    /// Scalars needed.
+    pub scalars: usize,
+}
+
+impl TooLarge {
+    /// How many of each fit.
+    pub const LIMIT: usize = u16::MAX as usize;
 }
 
 /// Operation codes. Fused operations round as often, and in the same order, as the plain ones they stand for.
@@ -91,8 +113,10 @@ impl Tape {
     /// Schedules `outputs`. `inputs` stand in registers 0, 1, ... before the first operation; a register that is the
     /// target of an output may be overwritten once its input is dead, the other inputs are left alone. Nodes that
     /// depend on nothing but constants, columns and starts become scalars.
-    #[must_use]
-    pub fn new(graph: &Graph, inputs: &[Id], outputs: &[Output]) -> Self {
+    ///
+    /// # Errors
+    /// If more registers or scalars are needed than an [`Argument`] can name.
+    pub fn new(graph: &Graph, inputs: &[Id], outputs: &[Output]) -> Result<Self, TooLarge> {
         let placed: HashMap<Id, usize> = inputs.iter().enumerate().map(|(r, id)| (*id, r)).collect();
         let uniform = |id: Id| graph.depends(id).is_uniform();
         let inside = |id: Id| !placed.contains_key(&id) && !uniform(id);
@@ -125,295 +149,6 @@ impl Tape {
     }
 }
 
-/// An operation before registers are known.
-struct Term {
-    code: Code,
-    operands: Vec<Id>,
-}
-
-/// The operations to schedule, by the node they compute.
-struct Terms {
-    of: HashMap<Id, Term>,
-}
-
-impl Terms {
-    /// One term a node; a product used once, by a sum or difference, becomes part of it.
-    fn fuse(graph: &Graph, nodes: &[Id], roots: &[Id]) -> Self {
-        let mut uses: HashMap<Id, usize> = HashMap::new();
-        let operands = nodes.iter().flat_map(|id| graph.operands(graph.node(*id)).into_iter().flatten());
-        for id in operands.chain(roots.iter().copied()) {
-            *uses.entry(id).or_default() += 1;
-        }
-        let inner = Inner { graph, members: nodes.iter().copied().collect(), uses };
-        let mut absorbed = HashSet::new();
-        let mut of = HashMap::new();
-        for &id in nodes {
-            let term = match graph.node(id) {
-                Node::Leaf(_) | Node::Constant(_) => continue,
-                Node::Unary(op, a) => Term { code: Code::Unary(op), operands: vec![a] },
-                Node::Select { condition, then, otherwise } => {
-                    Term { code: Code::Select, operands: vec![condition, then, otherwise] }
-                }
-                Node::Binary(op, a, b) => {
-                    let (term, gone) = inner.fuse(op, a, b);
-                    absorbed.extend(gone);
-                    term
-                }
-            };
-            of.insert(id, term);
-        }
-        of.retain(|id, _| !absorbed.contains(id));
-        let mut terms = Self { of };
-        terms.fuse_dots(nodes, |id| inner.used_once(id));
-        terms
-    }
-
-    /// A product or sum of products used once, by another sum of products, becomes part of it: two values fewer a pair
-    /// travel through memory. Operands come before their users in `nodes`, so chains pair up from their beginning.
-    fn fuse_dots(&mut self, nodes: &[Id], used_once: impl Fn(Id) -> bool) {
-        for id in nodes {
-            let Some(Term { code: Code::MultiplyAdd, operands }) = self.of.get(id) else { continue };
-            let [c, d, inner] = [operands[0], operands[1], operands[2]];
-            let Some(term) = self.of.get(&inner).filter(|_| used_once(inner)) else { continue };
-            let code = match term.code {
-                Code::Binary(Binary::Multiply) => Code::Dot,
-                Code::MultiplyAdd => Code::DotAdd,
-                _ => continue,
-            };
-            let operands = [&term.operands[..2], &[c, d], &term.operands[2..]].concat();
-            self.of.remove(&inner);
-            self.of.insert(*id, Term { code, operands });
-        }
-    }
-
-    /// Depth-first from the outputs, operands first: values are made shortly before they are used.
-    fn order(&self, roots: &[Id]) -> Vec<Id> {
-        let mut done = HashSet::new();
-        let mut order = Vec::with_capacity(self.of.len());
-        let mut stack: Vec<(Id, bool)> = roots.iter().rev().map(|id| (*id, false)).collect();
-        while let Some((id, operands_done)) = stack.pop() {
-            let Some(term) = self.of.get(&id) else { continue };
-            if operands_done {
-                order.push(id);
-            } else if done.insert(id) {
-                stack.push((id, true));
-                stack.extend(term.operands.iter().rev().map(|o| (*o, false)));
-            }
-        }
-        order
-    }
-}
-
-/// Finds operations that are used once and may become part of their user.
-struct Inner<'a> {
-    graph: &'a Graph,
-    members: HashSet<Id>,
-    uses: HashMap<Id, usize>,
-}
-
-impl Inner<'_> {
-    fn used_once(&self, id: Id) -> bool {
-        self.members.contains(&id) && self.uses.get(&id) == Some(&1)
-    }
-
-    fn product(&self, id: Id) -> Option<[Id; 2]> {
-        match self.graph.node(id) {
-            Node::Binary(Binary::Multiply, a, b) if self.used_once(id) => Some([a, b]),
-            _ => None,
-        }
-    }
-
-    fn positive(&self, id: Id) -> Option<Id> {
-        match self.graph.node(id) {
-            Node::Unary(Unary::Positive, a) if self.used_once(id) => Some(a),
-            _ => None,
-        }
-    }
-
-    /// The term of `a op b`, and the operand that it swallows.
-    fn fuse(&self, op: Binary, a: Id, b: Id) -> (Term, Option<Id>) {
-        let term = |code, operands: &[Id], gone| (Term { code, operands: operands.to_vec() }, Some(gone));
-        match op {
-            Binary::Add | Binary::Subtract => {
-                let swap = if op == Binary::Add { Code::MultiplyAdd } else { Code::SubtractProduct };
-                let keep = if op == Binary::Add { Code::MultiplyAdd } else { Code::MultiplySubtract };
-                match (self.product(a), self.product(b)) {
-                    (_, Some([x, y])) => return term(swap, &[x, y, a], b),
-                    (Some([x, y]), _) => return term(keep, &[x, y, b], a),
-                    _ => {}
-                }
-            }
-            Binary::Multiply => match (self.positive(a), self.positive(b)) {
-                (_, Some(x)) => return term(Code::MultiplyPositive, &[a, x], b),
-                (Some(x), _) => return term(Code::MultiplyPositive, &[b, x], a),
-                _ => {}
-            },
-            _ => {}
-        }
-        (Term { code: Code::Binary(op), operands: vec![a, b] }, None)
-    }
-}
-
-/// Register assignment in one pass over the ordered operations.
-struct Assignment<'a, U> {
-    uniform: U,
-    remaining: HashMap<Id, usize>,
-    place: HashMap<Id, usize>,
-    target: HashMap<Id, usize>,
-    input_of: HashMap<usize, Id>,
-    outputs: HashSet<Id>,
-    saved: HashMap<Id, usize>,
-    fixed: usize,
-    free: Vec<usize>,
-    next: usize,
-    scalars: Vec<Id>,
-    scalar_index: HashMap<Id, u16>,
-    operations: Vec<Operation>,
-    placed: &'a HashMap<Id, usize>,
-}
-
-impl<'a, U: Fn(Id) -> bool> Assignment<'a, U> {
-    fn new(placed: &'a HashMap<Id, usize>, outputs: &[Output], terms: &Terms, uniform: U) -> Self {
-        let mut remaining: HashMap<Id, usize> = HashMap::new();
-        for operand in terms.of.values().flat_map(|t| &t.operands) {
-            *remaining.entry(*operand).or_default() += 1;
-        }
-        let fixed = outputs.iter().map(|o| o.register + 1).max().unwrap_or(0).max(placed.len());
-        let mut target = HashMap::new();
-        for output in outputs {
-            target.entry(output.id).or_insert(output.register);
-        }
-        let mut this = Self {
-            uniform,
-            remaining,
-            place: placed.clone(),
-            target,
-            input_of: placed.iter().map(|(id, r)| (*r, *id)).collect(),
-            outputs: outputs.iter().map(|o| o.id).collect(),
-            saved: HashMap::new(),
-            fixed,
-            free: Vec::new(),
-            next: fixed,
-            scalars: Vec::new(),
-            scalar_index: HashMap::new(),
-            operations: Vec::new(),
-            placed,
-        };
-        this.save_shifted_inputs(outputs);
-        this
-    }
-
-    /// An output that is another register's input is copied away before anything can overwrite it.
-    fn save_shifted_inputs(&mut self, outputs: &[Output]) {
-        for output in outputs {
-            let shifted = self.placed.get(&output.id).is_some_and(|r| *r != output.register);
-            if shifted && !self.saved.contains_key(&output.id) {
-                let source = self.argument(output.id);
-                let register = self.temporary();
-                self.push(Code::Copy, register, &[source]);
-                self.saved.insert(output.id, register);
-            }
-        }
-    }
-
-    fn emit(&mut self, id: Id, term: &Term) {
-        let arguments: Vec<Argument> = term.operands.iter().map(|o| self.argument(*o)).collect();
-        for operand in &term.operands {
-            self.release(*operand);
-        }
-        let register = self.destination(id);
-        let (code, arguments) = canonical(term.code, arguments);
-        self.push(code, register, &arguments);
-        self.place.insert(id, register);
-    }
-
-    /// The output's own register if its input is dead by now, else a temporary one.
-    fn destination(&mut self, id: Id) -> usize {
-        if let Some(&register) = self.target.get(&id)
-            && self.input_of.get(&register).is_none_or(|input| self.remaining.get(input).is_none_or(|n| *n == 0))
-        {
-            return register;
-        }
-        self.temporary()
-    }
-
-    fn temporary(&mut self) -> usize {
-        self.free.pop().unwrap_or_else(|| {
-            self.next += 1;
-            self.next - 1
-        })
-    }
-
-    /// One use less; a temporary that nobody needs any more is free.
-    fn release(&mut self, id: Id) {
-        let Some(count) = self.remaining.get_mut(&id) else { return };
-        *count -= 1;
-        if *count == 0
-            && !self.outputs.contains(&id)
-            && let Some(&register) = self.place.get(&id).filter(|r| **r >= self.fixed)
-        {
-            self.free.push(register);
-        }
-    }
-
-    fn argument(&mut self, id: Id) -> Argument {
-        if let Some(&register) = self.place.get(&id) {
-            return Argument::Register(narrow(register));
-        }
-        debug_assert!((self.uniform)(id), "an operand is in a register or a scalar");
-        let next = narrow(self.scalars.len());
-        let index = *self.scalar_index.entry(id).or_insert(next);
-        if index == next {
-            self.scalars.push(id);
-        }
-        Argument::Scalar(index)
-    }
-
-    fn push(&mut self, code: Code, register: usize, arguments: &[Argument]) {
-        let mut all = [Argument::NONE; 5];
-        all[..arguments.len()].copy_from_slice(arguments);
-        self.operations.push(Operation { code, register: narrow(register), arguments: all });
-    }
-
-    /// Copies what did not end in its own register.
-    fn finish(mut self, outputs: &[Output]) -> Tape {
-        for output in outputs {
-            let source = match self.saved.get(&output.id) {
-                Some(copy) if self.placed[&output.id] != output.register => Argument::Register(narrow(*copy)),
-                _ => self.argument(output.id),
-            };
-            if source != Argument::Register(narrow(output.register)) {
-                self.push(Code::Copy, output.register, &[source]);
-            }
-        }
-        Tape { operations: self.operations, registers: self.next, scalars: self.scalars }
-    }
-}
-
-/// Scalars go last among the operands that commute, so that the machines need fewer cases.
-fn canonical(code: Code, mut arguments: Vec<Argument>) -> (Code, Vec<Argument>) {
-    let commutes = match code {
-        Code::Binary(op) => op.is_commutative(),
-        Code::MultiplyAdd | Code::MultiplySubtract | Code::SubtractProduct => true,
-        _ => false,
-    };
-    let pairs = match code {
-        Code::Dot | Code::DotAdd => 2,
-        _ => usize::from(commutes),
-    };
-    for pair in 0..pairs {
-        if matches!(arguments[2 * pair..2 * pair + 2], [Argument::Scalar(_), Argument::Register(_)]) {
-            arguments.swap(2 * pair, 2 * pair + 1);
-        }
-    }
-    (code, arguments)
-}
-
-#[expect(clippy::expect_used, reason = "dimensions are bounded so that a step has far fewer than 65,535 live values")]
-fn narrow(place: usize) -> u16 {
-    u16::try_from(place).expect("a tape has fewer than 65,536 registers")
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::graph::Leaf;
@@ -423,7 +158,26 @@ mod tests {
 
     fn step(graph: &Graph, carried: &[Id], next: &[Id]) -> Tape {
         let outputs: Vec<Output> = next.iter().enumerate().map(|(register, id)| Output { id: *id, register }).collect();
-        Tape::new(graph, carried, &outputs)
+        Tape::new(graph, carried, &outputs).unwrap()
+    }
+
+    /// x plus `count` different numbers, none of which can be folded into another.
+    fn with_scalars(count: u32) -> Result<Tape, TooLarge> {
+        let mut g = Graph::default();
+        let x = g.leaf(Leaf::Carried(0));
+        let mut sum = x;
+        for column in 0..count {
+            let column = g.leaf(Leaf::Column(column));
+            sum = g.mul(sum, x);
+            sum = g.add(sum, column);
+        }
+        Tape::new(&g, &[x], &[Output { id: sum, register: 0 }])
+    }
+
+    #[test]
+    fn more_numbers_than_operations_can_name_are_an_error() {
+        assert_eq!(with_scalars(65_535).unwrap().scalars.len(), 65_535, "the limit itself fits");
+        assert_eq!(with_scalars(65_536), Err(TooLarge { registers: 2, scalars: 65_536 }));
     }
 
     #[test]
@@ -472,9 +226,9 @@ mod tests {
             let next: Vec<Id> = next.iter().map(|i| built[built.len() - 1 - *i as usize % built.len()]).collect();
             let values = [0.3, -0.7, 1.1, 0.9];
             let leaf = |l| match l { Leaf::Carried(i) => values[i as usize], _ => 0.25 };
-            let expected: Vec<f64> = super::super::graph::Calculator::new(&g, &next).evaluate(leaf).collect();
+            let expected: Vec<f64> = super::super::calculator::Calculator::new(&g, &next).evaluate(leaf).collect();
             let tape = step(&g, &carried, &next);
-            let scalars: Vec<f64> = super::super::graph::Calculator::new(&g, &tape.scalars).evaluate(leaf).collect();
+            let scalars: Vec<f64> = super::super::calculator::Calculator::new(&g, &tape.scalars).evaluate(leaf).collect();
             let mut registers = values.to_vec();
             run_one(&tape, &mut registers, &scalars);
             for (register, expected) in registers.iter().zip(&expected) {

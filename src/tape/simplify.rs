@@ -146,7 +146,8 @@ impl Graph {
 
 #[cfg(test)]
 mod tests {
-    use super::super::graph::{Calculator, Leaf};
+    use super::super::calculator::Calculator;
+    use super::super::graph::Leaf;
     use super::*;
     use proptest::prelude::*;
 

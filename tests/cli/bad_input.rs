@@ -242,6 +242,7 @@ fn wrong_use_of_flags() {
         ("--wall-time", "-1"),
         ("--wall-time", "nan"),
         ("--threads", "0"),
+        ("--threads", "100000"),
     ] {
         let finished = folder.run(&["tune", "problem.toml", flag, value]).expect(2);
         assert_eq!(finished.stdout, "", "{flag} {value}");

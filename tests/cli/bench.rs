@@ -32,6 +32,7 @@ fn wrong_use() {
     for arguments in [
         &["bench", "--workload", "D"][..],
         &["bench", "--n", "0"],
+        &["bench", "--n", "99999999999"],
         &["bench", "--budget", "-1"],
         &["bench", "problem.toml", "--workload", "A"],
         &["bench", "--device", "gpu"],

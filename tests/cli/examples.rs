@@ -38,6 +38,28 @@ fn gps_track_is_not_called_consistent() {
     assert!((lag_1 - 0.74).abs() < 0.02, "{lag_1}");
 }
 
+/// Constant acceleration on the same log: 470 nats better, r inside its bounds, and still not white.
+#[test]
+fn acceleration_stands_beside_velocity_in_the_readme() {
+    let readme = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/README.md")).unwrap();
+    let row = |filter: &str| readme.lines().find(|line| line.starts_with(&format!("| {filter} |"))).unwrap();
+    for (example, filter) in [("uav_gps_cv", "constant velocity"), ("uav_gps_ca", "constant acceleration")] {
+        let json = tune(example, &[]);
+        let consistency = &json["consistency"];
+        let mut shown = vec![
+            format!("{:.2}", json["objectives"]["nll"].as_f64().unwrap()),
+            format!("{:.3}", consistency["nis_mean"].as_f64().unwrap()),
+            consistency["verdict"].as_str().unwrap().replace('_', " "),
+        ];
+        let lag_1 = |axis: &Value| format!("{:+.3}", axis["autocorrelation"][0].as_f64().unwrap());
+        shown.extend(consistency["whiteness"].as_array().unwrap().iter().map(lag_1));
+        for figure in shown {
+            assert!(row(filter).contains(&figure), "{filter}: {figure} is not in the README's row {}", row(filter));
+        }
+        assert_eq!(row(filter).contains("bound"), json["at_bound"]["r"].is_string(), "{filter}: {json}");
+    }
+}
+
 /// Tuned for position it gains at most 0.5 % over the raw measurements, wherever the search starts.
 #[test]
 fn camera_track_gains_little_and_three_seeds_agree() {

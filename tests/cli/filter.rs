@@ -35,6 +35,16 @@ fn quiet_says_nothing_on_stderr() {
 }
 
 #[test]
+fn a_log_too_short_to_test_is_not_called_consistent() {
+    let folder = Folder::with_level();
+    folder.write("log.csv", "t,z\n0,1\n1,14\n2,3\n");
+    let finished = folder.run(&["filter", "problem.toml"]).expect(0);
+    assert!(finished.stderr.contains("white z: too few innovations to tell"), "{}", finished.stderr);
+    let json = folder.run(&["filter", "problem.toml", "--json", "--quiet"]).expect(0).json();
+    assert_eq!(json["consistency"]["verdict"], "too_few_innovations", "{json}");
+}
+
+#[test]
 fn a_file_is_written_whole_and_json_goes_to_stdout() {
     let folder = Folder::with_level();
     let json = folder.run(&["filter", "problem.toml", "--json", "--out", "run.csv"]).expect(0).json();

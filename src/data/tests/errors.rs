@@ -24,7 +24,7 @@ fn files_that_are_no_logs() {
     std::fs::write(folder.path().join("empty.csv"), "").unwrap();
     assert_eq!(
         open(Some("none.csv")),
-        "DIR/none.csv: no such file (a path in a problem file is relative to the folder of that file)"
+        "DIR/none.csv: no such file (check the name; a path in a problem file is relative to the folder of that file)"
     );
     assert_eq!(open(Some("sub")), "DIR/sub: is a folder, expected a CSV file (name the file in it)");
     assert_eq!(open(Some("empty.csv")), "DIR/empty.csv: is empty, expected a header line and rows of numbers");

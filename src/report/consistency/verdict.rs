@@ -4,8 +4,8 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::Consistency;
 use super::evidence::SETTLING;
+use super::{Consistency, Whiteness};
 use crate::model::{Parameters, Search};
 use crate::report::{Bound, short};
 
@@ -23,6 +23,8 @@ pub enum Verdict {
     InnovationsCorrelated,
     /// A searched parameter ran to its bound.
     ParameterAtBound,
+    /// Nothing is wrong so far, but no measurement has innovations enough to tell whether they are white.
+    TooFewInnovations,
     /// Nothing was measured.
     NothingMeasured,
 }
@@ -35,6 +37,7 @@ impl fmt::Display for Verdict {
             Self::Underconfident => "underconfident",
             Self::InnovationsCorrelated => "innovations correlated",
             Self::ParameterAtBound => "parameter at its bound",
+            Self::TooFewInnovations => "too few innovations",
             Self::NothingMeasured => "nothing measured",
         })
     }
@@ -60,10 +63,27 @@ pub(super) fn findings(c: &Consistency, parameters: &Parameters, candidate: &[f6
     let searched = parameters.searched().zip(candidate);
     found.extend(searched.filter_map(|((parameter, search), value)| at_bound(&parameter.name, search, *value)));
     if found.is_empty() {
-        let advice = "NIS is within its band, the innovations are white and no parameter is at a bound".into();
-        found.push(Finding { verdict: Verdict::Consistent, advice });
+        found.push(nothing_wrong(c));
     }
     found
+}
+
+/// A filter is not called consistent on a log too short to test whiteness on.
+fn nothing_wrong(c: &Consistency) -> Finding {
+    let (verdict, advice) = if c.whiteness.iter().any(Whiteness::is_tested) {
+        (
+            Verdict::Consistent,
+            "NIS is within its band, the innovations are white and no parameter is at a bound".to_owned(),
+        )
+    } else {
+        let advice = format!(
+            "NIS is within its band and no parameter is at a bound, but {} innovations are too few to tell whether they are \
+             white (judge on a longer log)",
+            c.components
+        );
+        (Verdict::TooFewInnovations, advice)
+    };
+    Finding { verdict, advice }
 }
 
 fn correlated(c: &Consistency) -> Option<Finding> {

@@ -71,6 +71,12 @@ impl Whiteness {
         Some(Self { measurement: name.into(), count: n, autocorrelation, band, ljung_box, p_value, correlated })
     }
 
+    /// Whether there were values enough for at least one lag.
+    #[must_use]
+    pub const fn is_tested(&self) -> bool {
+        !self.autocorrelation.is_empty()
+    }
+
     /// Autocorrelation at lag 1; NaN when there are too few values.
     #[must_use]
     pub fn lag_1(&self) -> f64 {

@@ -80,7 +80,7 @@ fn data() {
     assert_eq!(sentence, "p.toml:4:16: 33 measurements: at most 32 are allowed");
     let many = (0..100_000).map(|i| format!("\"s{i}\"")).collect::<Vec<_>>().join(", ");
     let (sentence, _) = broken("[\"p\", \"v\"]", &format!("[{many}]"));
-    assert_eq!(sentence, "p.toml:9:9: 100000 states: at most 64 are allowed");
+    assert_eq!(sentence, "p.toml:9:9: 100000 states: at most 32 are allowed");
 }
 
 #[test]

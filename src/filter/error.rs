@@ -1,0 +1,44 @@
+//! Why a filter cannot be traced.
+
+use crate::tape::TooLarge;
+
+/// Why a problem cannot be traced.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TraceError {
+    /// A Jacobian depends on the state.
+    #[error("{formula} `{name}` is not linear in the states: the kalman filter needs linear f and h")]
+    NotLinear {
+        /// `f` or `h`.
+        formula: &'static str,
+        /// The state or measurement it belongs to.
+        name: String,
+    },
+    /// The log was not read for this problem.
+    #[error(
+        "the log has {} measurements and {} inputs, and the problem {} and {}: read the log by the problem's [data]",
+        found[0], found[1], expected[0], expected[1]
+    )]
+    WrongColumns {
+        /// Numbers of measurements and inputs of the log.
+        found: [usize; 2],
+        /// Numbers of measurements and inputs of the model.
+        expected: [usize; 2],
+    },
+    /// No step before the first row.
+    #[error("first = \"predict\" has no interval, because the log has not one interval throughout: give first_dt")]
+    NoFirstInterval,
+    /// More values than the operations can name.
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
+    /// f32 would lose the answer.
+    #[error(
+        "{formula} `{name}` mixes searched parameters with dt or inputs, which single precision cannot hold: use --precision f64"
+    )]
+    NeedsF64 {
+        /// `f` or `h`.
+        formula: &'static str,
+        /// The state or measurement it belongs to.
+        name: String,
+    },
+}

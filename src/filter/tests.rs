@@ -1,0 +1,94 @@
+//! What cannot be traced is refused, for those too who use the library and check nothing beforehand.
+
+use super::TraceError;
+use crate::data::Log;
+use crate::evaluate::{BuildError, CpuEvaluator, CpuOptions, Precision};
+use crate::model::Problem;
+use crate::reference;
+use std::path::Path;
+
+const REGULAR: &str = "t,z,u\n0,1,0\n1,2,0\n2,2,0\n";
+const IRREGULAR: &str = "t,z,u\n0,1,0\n1,2,0\n3,2,0\n";
+const ONE_ROW: &str = "t,z,u\n0,1,0\n";
+
+/// A local level; `more` ends its `[model]`.
+fn problem(q: &str, more: &str) -> Problem {
+    let text = format!(
+        "[data]\nfile = \"log.csv\"\ntime = \"t\"\nmeasurements = [\"z\"]\n[model]\nstate = [\"x\"]\nf = [\"x\"]\nh = [\"x\"]\n\
+         Q = [[\"{q}\"]]\nR = [\"r\"]\nx0 = [0]\nP0 = [4]\n{more}\n[parameters]\nr = {{ min = 0.1, max = 9, start = 1 }}\n"
+    );
+    Problem::parse(&text, "problem.toml").unwrap()
+}
+
+fn log(problem: &Problem, text: &str) -> Log {
+    Log::read(&problem.data, text.as_bytes(), "log.csv").unwrap()
+}
+
+fn refusal(problem: &Problem, log: &Log, precision: Precision) -> Option<TraceError> {
+    match CpuEvaluator::new(problem, log, CpuOptions { precision, ..CpuOptions::default() }) {
+        Ok(_) => None,
+        Err(BuildError::Trace(error)) => Some(error),
+    }
+}
+
+#[test]
+fn a_step_before_the_first_row_needs_an_interval() {
+    let predict = problem("0.1", "first = \"predict\"");
+    for text in [IRREGULAR, ONE_ROW] {
+        let log = log(&predict, text);
+        for precision in [Precision::F64, Precision::F32] {
+            assert_eq!(
+                refusal(&predict, &log, precision),
+                Some(TraceError::NoFirstInterval),
+                "{precision} on {text:?}"
+            );
+        }
+        let failure = reference::costs(&predict, &log, &[1.0]).unwrap_err();
+        assert_eq!(failure.what, reference::Cause::NoFirstInterval, "the reference on {text:?}");
+        let given = problem("0.1", "first = \"predict\"\nfirst_dt = 1");
+        assert_eq!(refusal(&given, &log, Precision::F64), None, "first_dt on {text:?}");
+    }
+    assert_eq!(refusal(&predict, &log(&predict, REGULAR), Precision::F64), None, "a regular log");
+}
+
+#[test]
+fn the_log_has_the_columns_of_the_problem() {
+    let problem = problem("0.1", "");
+    let mut other = problem.data.clone();
+    other.inputs = vec!["u".to_owned()];
+    let log = Log::read(&other, REGULAR.as_bytes(), "log.csv").unwrap();
+    let expected = TraceError::WrongColumns { found: [1, 1], expected: [1, 0] };
+    assert_eq!(refusal(&problem, &log, Precision::F64), Some(expected));
+}
+
+/// Formulas may be so long, and so many, that a step has more numbers than operations can name.
+#[test]
+fn a_step_of_too_many_numbers_is_refused() {
+    let n = 18_u32;
+    let names = |format: &dyn Fn(u32) -> String| (0..n).map(format).collect::<Vec<_>>().join(", ");
+    let entry = |i: u32, j: u32| {
+        let (low, high) = (i.min(j), i.max(j));
+        let terms = (0..400).map(|k| format!("r^{}", 2 + (low * n + high) * 400 + k)).collect::<Vec<_>>().join("+");
+        if i == j { format!("\"{terms}+1e9\"") } else { format!("\"({terms})*1e-300\"") }
+    };
+    let text = format!(
+        "[data]\nfile = \"log.csv\"\ntime = \"t\"\nmeasurements = [\"z\"]\n[model]\nstate = [{}]\nf = [{}]\nh = [\"x0\"]\nQ = [{}]\n\
+         R = [1]\nx0 = [{}]\nP0 = [{}]\n[parameters]\nr = {{ min = 0.1, max = 0.9, start = 0.5 }}\n",
+        names(&|i| format!("\"x{i}\"")),
+        names(&|i| format!("\"x{i}\"")),
+        names(&|i| format!("[{}]", names(&|j| entry(i, j)))),
+        names(&|_| "0".to_owned()),
+        names(&|_| "1".to_owned()),
+    );
+    let problem = Problem::parse(&text, "long.toml").unwrap();
+    let found = refusal(&problem, &log(&problem, REGULAR), Precision::F64);
+    assert!(matches!(found, Some(TraceError::TooLarge(_))), "{found:?}");
+}
+
+#[test]
+fn shipped_problems_are_traced() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    let problem = Problem::open(&folder.join("nile.toml")).unwrap();
+    let log = Log::open(&problem.data, &folder).unwrap();
+    assert_eq!(refusal(&problem, &log, Precision::F32), None);
+}

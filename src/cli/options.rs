@@ -19,8 +19,8 @@ pub(super) struct Compute {
     #[arg(long, value_name = "NAME")]
     pub(super) adapter: Option<String>,
 
-    /// Number format of the search; `auto` is f64 on the CPU and f32 on a GPU. f32 is about twice as fast on a CPU,
-    /// many times on a GPU, and less exact; `tune` re-scores its winner in f64.
+    /// Number format of the costs; `auto` is f64 on the CPU and f32 on a GPU. f32 is about twice as fast on a CPU, many
+    /// times on a GPU, and less exact; `tune` re-scores its winner in f64.
     #[arg(long, value_enum, default_value_t = PrecisionChoice::Auto, value_name = "FORMAT")]
     pub(super) precision: PrecisionChoice,
 

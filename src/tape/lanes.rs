@@ -102,8 +102,9 @@ macro_rules! lane {
                 let bits = self.to_bits();
                 let exponent = ((bits & EXPONENT) >> $mantissa_bits) as i32 - $bias;
                 let mantissa = Self::from_bits(bits & !EXPONENT | ONE);
-                let mantissa = if bits & EXPONENT == EXPONENT { Self::NAN } else { mantissa };
-                let mantissa = if bits & EXPONENT == 0 { 0.0 } else { mantissa };
+                // Times 0, what is too small becomes 0 and what is not finite NaN.
+                let normal = (bits & EXPONENT).wrapping_sub(1) < EXPONENT - 1;
+                let mantissa = if normal { mantissa } else { self * 0.0 };
                 (mantissa, exponent as Self)
             }
         }

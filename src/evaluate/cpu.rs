@@ -165,20 +165,14 @@ impl Evaluator for CpuEvaluator {
     }
 
     fn evaluate(&mut self, population: &Population) -> Evaluation {
-        let values: Vec<f64> = population.rows().flatten().copied().collect();
+        let values = population.values();
         let task = self.task();
         let parts = if self.threads == 1 || population.len() <= task {
-            vec![self.score(&values)]
+            vec![self.score(values)]
         } else {
-            self.score_parallel(&values, task)
+            self.score_parallel(values, task)
         };
-        let objectives = self.objectives();
-        let (mut costs, mut status) = (Vec::with_capacity(population.len() * objectives), vec![]);
-        for (part, states) in parts {
-            costs.extend(part);
-            status.extend(states);
-        }
-        Evaluation::new(objectives, costs, status)
+        Evaluation::of_parts(self.objectives(), parts)
     }
 
     fn device(&self) -> Device {

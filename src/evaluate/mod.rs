@@ -72,6 +72,12 @@ impl Population {
         &mut self.values[i * self.dimension..(i + 1) * self.dimension]
     }
 
+    /// The values of all candidates, row after row.
+    #[must_use]
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
     /// All candidates in order.
     pub fn rows(&self) -> impl ExactSizeIterator<Item = &[f64]> {
         self.values.chunks_exact(self.dimension.max(1))
@@ -138,6 +144,12 @@ impl Evaluation {
             }
         }
         Self { objectives, costs, status }
+    }
+
+    /// From the costs and statuses of the parts of a population, in order; see [`Self::new`].
+    fn of_parts(objectives: usize, parts: Vec<(Vec<f64>, Vec<Status>)>) -> Self {
+        let (costs, status): (Vec<_>, Vec<_>) = parts.into_iter().unzip();
+        Self::new(objectives, costs.concat(), status.concat())
     }
 
     /// Number of objectives.

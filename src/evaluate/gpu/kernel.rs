@@ -3,7 +3,7 @@
 use super::clock::Clock;
 use super::device::{Gpu, GpuFailure};
 use super::layout::{self, Header, Layout};
-use super::totals::{Totals, join};
+use super::totals::Totals;
 use super::{GpuError, GpuOptions, prologue, shader};
 use crate::evaluate::{Evaluation, Population, Precision};
 use crate::filter::Program;
@@ -80,7 +80,7 @@ impl Kernel {
         program: &Program,
         population: &Population,
     ) -> Result<(Evaluation, Option<Duration>), GpuFailure> {
-        let values: Vec<f64> = population.rows().flatten().copied().collect();
+        let values = population.values();
         let d = program.parameters.max(1);
         let mut parts = Vec::new();
         let mut time = self.clock.as_ref().map(|_| Duration::ZERO);
@@ -98,7 +98,7 @@ impl Kernel {
                 *time += clock.read(gpu)?;
             }
         }
-        Ok((join(program.objectives(), parts), time))
+        Ok((Evaluation::of_parts(program.objectives(), parts), time))
     }
 
     fn totals_bytes(&self, stride: usize) -> u64 {

@@ -1,7 +1,7 @@
 //! From the totals of chunks to costs: the last sums, in f64 on the host.
 
 use super::layout::Layout;
-use crate::evaluate::{Evaluation, Precision, Status};
+use crate::evaluate::{Precision, Status};
 use crate::filter::{Program, Role};
 use rayon::prelude::*;
 
@@ -60,14 +60,4 @@ impl Totals<'_> {
         program.costs(&sums, costs);
         status
     }
-}
-
-/// Puts the parts of a population together.
-pub(super) fn join(objectives: usize, parts: Vec<(Vec<f64>, Vec<Status>)>) -> Evaluation {
-    let (mut costs, mut status) = (Vec::new(), Vec::new());
-    for (part, states) in parts {
-        costs.extend(part);
-        status.extend(states);
-    }
-    Evaluation::new(objectives, costs, status)
 }

@@ -75,7 +75,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for algorithm in ["cross-entropy", "pso", "pio+", "random"] {
         let mut excess = Vec::new();
         for seed in 0..10 {
-            let settings = Settings { population: 32, generations: 15, seed, objectives: 1 };
+            let settings = Settings { population: 32, generations: 15, seed, objectives: 1, evaluations: None };
             let tune = TuneSpec { polish: false, ..problem.tune.clone() };
             let study = Study { parameters: &problem.parameters, tune: &tune };
             let space = Coordinates::new(&problem.parameters, true).space();

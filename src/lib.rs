@@ -113,7 +113,7 @@
 //! use kfgpu::evaluate::{Evaluation, Status};
 //! use kfgpu::optimize::{self, Settings, Space};
 //!
-//! let settings = Settings { population: 20, generations: 40, seed: 1, objectives: 1 };
+//! let settings = Settings { population: 20, generations: 40, seed: 1, objectives: 1, evaluations: None };
 //! let mut optimizer = optimize::build("pio+", &Space::boxed(&[[-1.0, 5.0]]), &settings)?;
 //! let mut best = f64::INFINITY;
 //! while let Some(positions) = optimizer.ask() {

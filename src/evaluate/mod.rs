@@ -121,6 +121,8 @@ pub struct Evaluation {
     objectives: usize,
     costs: Vec<f64>,
     status: Vec<Status>,
+    /// One a candidate, or none at all without constraints.
+    violation: Vec<f64>,
 }
 
 impl Evaluation {
@@ -143,7 +145,27 @@ impl Evaluation {
                 row.fill(Self::FAILED);
             }
         }
-        Self { objectives, costs, status }
+        Self { objectives, costs, status, violation: Vec::new() }
+    }
+
+    /// With how far each candidate is from satisfying the problem's constraints: 0 = feasible.
+    ///
+    /// # Panics
+    /// If there is not one number a candidate.
+    #[must_use]
+    pub fn with_violation(mut self, violation: Vec<f64>) -> Self {
+        assert_eq!(violation.len(), self.status.len(), "one violation per candidate");
+        self.violation = violation;
+        self
+    }
+
+    /// How far candidate `i` is from satisfying the constraints: 0 = feasible, infinite if it failed. Never NaN.
+    #[must_use]
+    pub fn violation(&self, i: usize) -> f64 {
+        if !self.status[i].is_ok() {
+            return f64::INFINITY;
+        }
+        self.violation.get(i).map_or(0.0, |v| if v.is_nan() { f64::INFINITY } else { *v })
     }
 
     /// From the costs and statuses of the parts of a population, in order; see [`Self::new`].

@@ -31,4 +31,34 @@ pub trait Optimizer {
 
     /// Costs of exactly the population that [`Self::ask`] gave last.
     fn tell(&mut self, population: &Population, costs: &Evaluation);
+
+    /// Whether the last [`Self::tell`] ended a generation; a method that scores a generation in several parts says
+    /// `false` between them, and the parts become one row of the history.
+    fn generation_finished(&self) -> bool {
+        true
+    }
+
+    /// Everything that later generations depend on and that building it anew does not give; `None` = this optimiser
+    /// cannot be resumed. Called after [`Self::tell`].
+    fn save(&self) -> Option<Vec<u8>> {
+        None
+    }
+
+    /// Takes up where the optimiser that wrote `saved` stood: it was built from the same space and settings.
+    ///
+    /// # Errors
+    /// If `saved` is not of this optimiser, space and settings; then nothing has changed.
+    fn restore(&mut self, _saved: &[u8]) -> Result<(), RestoreError> {
+        Err(RestoreError { algorithm: self.name(), problem: "it keeps no state to resume from" })
+    }
+}
+
+/// Why an optimiser could not take up a saved state.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("algorithm {algorithm:?} cannot take up this state: {problem}")]
+pub struct RestoreError {
+    /// The optimiser asked.
+    pub algorithm: &'static str,
+    /// What is wrong.
+    pub problem: &'static str,
 }

@@ -231,7 +231,7 @@ mod tests {
     #[test]
     fn two_thirds_of_the_generations_are_map_and_compass() {
         for (generations, map) in [(0, 0), (1, 1), (2, 1), (3, 2), (4, 3), (5, 3), (60, 40), (150, 100)] {
-            let settings = Settings { population: 4, generations, seed: 0, objectives: 1 };
+            let settings = Settings { population: 4, generations, seed: 0, objectives: 1, evaluations: None };
             let pio = Pio::new(&Space::boxed(&[[0.0, 1.0]]), &settings, PUBLISHED);
             assert_eq!(pio.map_generations(), map, "of {generations}");
         }

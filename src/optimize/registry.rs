@@ -13,6 +13,8 @@ pub struct Settings {
     pub seed: u64,
     /// Number of objectives of the evaluator.
     pub objectives: usize,
+    /// Evaluations allowed, for methods whose generations differ in size; the study itself stops any method in time.
+    pub evaluations: Option<u64>,
 }
 
 /// One row of [`ALGORITHMS`].

@@ -149,6 +149,7 @@ pub fn run(
         generations: tune.generations,
         seed: tune.seed,
         objectives: evaluator.objectives(),
+        evaluations: tune.evaluations,
     };
     if study.parameters.dimension() == 0 {
         return Err(StudyError::NothingSearched);

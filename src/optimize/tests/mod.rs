@@ -9,7 +9,7 @@ use crate::evaluate::Evaluator;
 use crate::evaluate::mock::{Landscape, Mock};
 
 const fn settings(population: usize, generations: usize, seed: u64) -> Settings {
-    Settings { population, generations, seed, objectives: 1 }
+    Settings { population, generations, seed, objectives: 1, evaluations: None }
 }
 
 /// Every population asked for and the best cost seen.

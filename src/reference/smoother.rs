@@ -1,23 +1,24 @@
 //! Fixed-interval smoothing: the estimate of every row by all measurements of its trajectory, later ones too.
 //!
-//! Rauch, Tung and Striebel (1965, doi:10.2514/3.3166), backwards from the last row, where both estimates are the same:
+//! The estimates are those of Rauch, Tung and Striebel (1965, doi:10.2514/3.3166). Their recursion inverts predicted
+//! covariances, which may be singular (an exact x0, states without noise), undoes a stable F step by step, and loses
+//! digits as the square of P0 / R. So they are computed from two filters (Fraser and Potter 1969,
+//! doi:10.1109/TAC.1969.1099196): the filter's x and P of a row, and what later measurements say about that state. Its
+//! log-likelihood is j' d - d' J d / 2 at x + d; J (n x n) and j (n) start from 0 at the last row and go back by
 //!
 //! ```text
-//! C  = P F' pinv(F P F' + Q)
-//! xs = x + C (xs_next - x_next)                              x_next: the filter's prediction from this row
-//! Ps = (I - C F) P (I - C F)' + C (Q + Ps_next) C'           = P + C (Ps_next - P_next) C'
+//! smoothed:                    Ps = (P^-1 + J)^-1,   xs = x + Ps j                    (d from the posterior)
+//! before the row's update:     J <- J + H' R^-1 H,   j <- j + J K nu + H' R^-1 nu     (d from the prior)
+//! before the transition to it: J <- F' C F,          j <- F' (j - C Q j)              with C = (J^-1 + Q)^-1
 //! ```
 //!
-//! The second form of Ps is the published one. The first is the same matrix as a sum of covariances: with a diffuse P0 it
-//! loses digits as P0/R and not as its square (measured in `tests/golden_reference/smoother.rs`), and no variance can
-//! come out negative. Predictions may be singular (an exact x0, a state without noise): where the factor of P_next,
-//! scaled to a unit diagonal, does not exist, its pseudo-inverse takes its place. It is exact, because P F' has no part
-//! outside the range of P_next.
+//! P, J and Q may be singular: (A^-1 + B)^-1 = L (I + L' B L)^-1 L' with A = L L' inverts nothing that can be, and
+//! subtracts nothing.
 
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
-use super::kalman::{Estimate, Transition, count, symmetrise};
-use super::matrices::Formulas;
+use super::kalman::{Estimate, Transition, Update, symmetrise};
+use super::matrices::{Affine, Formulas};
 use super::run::visit;
 use super::{Cause, Failure};
 use crate::data::{Log, Trajectory};
@@ -35,96 +36,145 @@ pub struct Smoothed {
 }
 
 /// Smooths the run of `candidate` (searched parameters in their own units): one list per trajectory of the log, with the
-/// rows of [`super::Run::trajectories`]. It keeps n² + n numbers a row, and twice as many while it runs.
+/// rows of [`super::Run::trajectories`]. It keeps n² + n numbers a row, and the updates while it runs.
 ///
 /// # Errors
-/// As [`super::run`].
+/// As [`super::run`]; also when R is singular.
 ///
 /// # Panics
 /// If `candidate` does not have one value per searched parameter.
 pub fn smooth(problem: &Problem, log: &Log, candidate: &[f64]) -> Result<Vec<Vec<Smoothed>>, Failure> {
     let mut passes: Vec<Vec<Pass>> = log.trajectories.iter().map(|_| Vec::new()).collect();
     visit(problem, log, candidate, &mut |trajectory, step| {
-        let (prior, estimate) = (step.prior.clone(), step.posterior.clone());
-        passes[trajectory].push(Pass { prior, smoothed: Smoothed { row: step.row, time: step.time, estimate } });
+        let (time, estimate) = (step.time, step.posterior.clone());
+        passes[trajectory].push((Smoothed { row: step.row, time, estimate }, step.update.clone()));
     })?;
-    let mut smoother = Smoother::new(problem, candidate);
-    for (index, (passes, trajectory)) in passes.iter_mut().zip(&log.trajectories).enumerate() {
-        smoother.backwards(passes, trajectory).map_err(|(row, what)| Failure::at(log, index, row, what))?;
-    }
-    Ok(passes.into_iter().map(|passes| passes.into_iter().map(|pass| pass.smoothed).collect()).collect())
+    let mut later = Later::new(problem, candidate);
+    let all = passes.into_iter().zip(&log.trajectories).enumerate();
+    all.map(|(index, (passes, trajectory))| {
+        later.backwards(passes, trajectory).map_err(|(row, what)| Failure::at(log, index, row, what))
+    })
+    .collect()
 }
 
-/// A row: its prior, and its posterior until it is smoothed.
-struct Pass {
-    prior: Estimate,
-    smoothed: Smoothed,
-}
+/// A row of the filter, its posterior in place of what is to be smoothed.
+type Pass = (Smoothed, Option<Update>);
 
-struct Smoother {
+/// What later measurements say about a state.
+struct Later {
     formulas: Formulas,
     transition: Transition,
+    /// h, as long as inputs do not change it.
+    measurement: Option<Affine>,
+    r: DMatrix<f64>,
+    /// J, n x n, positive semidefinite.
+    information: DMatrix<f64>,
+    /// j, n.
+    gradient: DVector<f64>,
 }
 
-impl Smoother {
+impl Later {
     fn new(problem: &Problem, candidate: &[f64]) -> Self {
-        // Q of the formulas is the Q that was filtered with.
+        // Q and R of the formulas are those that were filtered with.
         match problem.filter {
             FilterKind::Kalman => {}
         }
-        let formulas = Formulas::new(&problem.model, problem.parameters.resolve(candidate));
-        let transition = Transition::new(formulas.n);
-        Self { formulas, transition }
+        let mut formulas = Formulas::new(&problem.model, problem.parameters.resolve(candidate));
+        let (n, m) = (formulas.n, formulas.m);
+        let mut r = DMatrix::zeros(m, m);
+        formulas.measurement_noise(&mut r);
+        Self {
+            formulas,
+            transition: Transition::new(n),
+            measurement: None,
+            r,
+            information: DMatrix::zeros(n, n),
+            gradient: DVector::zeros(n),
+        }
     }
 
     /// Smooths one trajectory, last row first; an error comes with its row.
-    fn backwards(&mut self, passes: &mut [Pass], trajectory: &Trajectory) -> Result<(), (usize, Cause)> {
-        for k in (1..passes.len()).rev() {
-            let [now, next] = &mut passes[k - 1..=k] else { continue };
-            let row = now.smoothed.row;
-            let Some(dt) = trajectory.dt(row) else { continue };
-            self.transition.prepare(&mut self.formulas, dt, trajectory.u.row(row));
-            self.step(&mut now.smoothed.estimate, next);
-            now.smoothed.estimate.check().map_err(|cause| (row, cause))?;
+    fn backwards(&mut self, passes: Vec<Pass>, trajectory: &Trajectory) -> Result<Vec<Smoothed>, (usize, Cause)> {
+        self.information.fill(0.0);
+        self.gradient.fill(0.0);
+        let mut smoothed: Vec<Smoothed> = Vec::with_capacity(passes.len());
+        for (mut pass, update) in passes.into_iter().rev() {
+            let (row, inputs) = (pass.row, trajectory.u.row(pass.row));
+            let failed = |cause| (row, cause);
+            // Nothing follows the last row: its posterior is what it is.
+            if let Some(dt) = trajectory.dt(row).filter(|_| !smoothed.is_empty()) {
+                self.before_transition(dt, inputs).map_err(failed)?;
+                let Estimate { x, p } = &mut pass.estimate;
+                *p = parallel(p, &self.information).map_err(failed)?;
+                *x += &*p * &self.gradient;
+                pass.estimate.check().map_err(failed)?;
+            }
+            if let Some(update) = update {
+                self.before_update(&update, inputs).ok_or_else(|| failed(Cause::SingularNoise))?;
+            }
+            smoothed.push(pass);
         }
+        smoothed.reverse();
+        Ok(smoothed)
+    }
+
+    /// `None` when R has no inverse.
+    fn before_update(&mut self, Update { present, nu, k, .. }: &Update, inputs: &[f64]) -> Option<()> {
+        let Formulas { n, m, h_uses_inputs, .. } = self.formulas;
+        let whole = self.measurement.take().filter(|_| !h_uses_inputs).unwrap_or_else(|| {
+            let mut whole = Affine::zeros(m, n);
+            self.formulas.measurement(inputs, &mut whole);
+            whole
+        });
+        let h = whole.matrix.select_rows(present);
+        self.measurement = Some(whole);
+        let r = self.r.select_rows(present).select_columns(present);
+        // H' R^-1.
+        let weight = Cholesky::new(r)?.solve(&h).transpose();
+        self.gradient += &self.information * (k * nu) + &weight * nu;
+        self.information += weight * h;
+        symmetrise(&mut self.information);
+        Some(())
+    }
+
+    fn before_transition(&mut self, dt: f64, inputs: &[f64]) -> Result<(), Cause> {
+        self.transition.prepare(&mut self.formulas, dt, inputs);
+        let Transition { f, q, .. } = &self.transition;
+        let c = parallel(&self.information, q)?;
+        self.gradient = &f.transpose * (&self.gradient - &c * (q * &self.gradient));
+        self.information = &f.transpose * c * &f.matrix;
+        symmetrise(&mut self.information);
         Ok(())
     }
+}
 
-    /// Posterior to smoothed of one row; `next` is smoothed.
-    fn step(&self, now: &mut Estimate, next: &Pass) {
-        let Transition { f, q, .. } = &self.transition;
-        let n = q.nrows();
-        let c = solve(&next.prior.p, &f.matrix * &now.p).transpose();
-        now.x += &c * (&next.smoothed.estimate.x - &next.prior.x);
-        let a = DMatrix::identity(n, n) - &c * &f.matrix;
-        now.p = &a * &now.p * a.transpose() + &c * (q + &next.smoothed.estimate.p) * c.transpose();
-        symmetrise(&mut now.p);
+/// (A^-1 + B)^-1 of positive semidefinite A and B, which need no inverse.
+fn parallel(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Result<DMatrix<f64>, Cause> {
+    let root = root(a)?;
+    let n = a.nrows();
+    let mut inner = root.tr_mul(b) * &root + DMatrix::identity(n, n);
+    symmetrise(&mut inner);
+    let factor = Cholesky::new(inner).ok_or(Cause::NotFinite)?;
+    let half = factor.l_dirty().solve_lower_triangular(&root.transpose()).ok_or(Cause::NotFinite)?;
+    Ok(half.tr_mul(&half))
+}
+
+/// L with A = L L'. Where A has no Cholesky factor, from its eigenvectors, with the negative eigenvalues that rounding
+/// leaves taken as 0. A is scaled to a unit diagonal first, so that units do not decide what is lost in rounding.
+fn root(a: &DMatrix<f64>) -> Result<DMatrix<f64>, Cause> {
+    if !a.iter().all(|v| v.is_finite()) {
+        return Err(Cause::NotFinite);
     }
-}
-
-/// pinv(P) B for a covariance P.
-fn solve(p: &DMatrix<f64>, mut b: DMatrix<f64>) -> DMatrix<f64> {
-    let n = p.nrows();
-    // Units of the states must not decide what counts as singular.
-    let scale = p.diagonal().map(|variance| if variance > 0.0 { variance.sqrt().recip() } else { 0.0 });
-    let scaled = DMatrix::from_fn(n, n, |i, j| p[(i, j)] * scale[i] * scale[j]);
-    scale_rows(&mut b, &scale);
-    // Entries of the unit diagonal are off by a few roundings: smaller eigenvalues are rounding themselves.
-    let negligible = 16.0 * count(n) * f64::EPSILON;
-    let factor = Cholesky::new(scaled.clone());
-    let regular = factor.filter(|c| c.l_dirty().diagonal().iter().all(|l| l * l > negligible));
-    let mut solution = if let Some(factor) = regular {
-        factor.solve(&b)
-    } else {
-        let SymmetricEigen { eigenvalues, eigenvectors } = SymmetricEigen::new(scaled);
-        let mut parts = eigenvectors.tr_mul(&b);
-        scale_rows(&mut parts, &eigenvalues.map(|value| if value > negligible { value.recip() } else { 0.0 }));
-        eigenvectors * parts
-    };
-    scale_rows(&mut solution, &scale);
-    solution
-}
-
-fn scale_rows(matrix: &mut DMatrix<f64>, scale: &DVector<f64>) {
-    matrix.row_iter_mut().zip(scale).for_each(|(mut row, scale)| row *= *scale);
+    let scale = a.diagonal().map(|v| v.max(0.0).sqrt());
+    let inverse = scale.map(|s| if s > 0.0 { s.recip() } else { 0.0 });
+    let scaled = DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] * inverse[i] * inverse[j]);
+    let mut root = Cholesky::new(scaled.clone()).map_or_else(
+        || {
+            let SymmetricEigen { eigenvalues, eigenvectors } = SymmetricEigen::new(scaled);
+            eigenvectors * DMatrix::from_diagonal(&eigenvalues.map(|value| value.max(0.0).sqrt()))
+        },
+        Cholesky::unpack,
+    );
+    root.row_iter_mut().zip(&scale).for_each(|(mut row, scale)| row *= *scale);
+    Ok(root)
 }

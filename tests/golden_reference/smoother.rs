@@ -163,7 +163,7 @@ fn by_information(model: &Linear, log: &Log) -> Vec<Estimate> {
 
 #[test]
 fn a_diffuse_start_costs_known_digits() {
-    for (p0, tolerance) in [(1e4, 1e-10), (1e8, 1e-6), (1e12, 1e-2)] {
+    for (p0, tolerance) in [(1e4, 4e-11), (1e8, 2e-7), (1e12, 4e-4)] {
         let model = Linear {
             f: matrix([[1.0, 1.0], [0.0, 1.0]]),
             b: DMatrix::zeros(2, 0),
@@ -185,12 +185,12 @@ fn a_diffuse_start_costs_known_digits() {
     }
 }
 
-/// Nothing drives the states, so every row is x0 seen through F^k; one mode decays to 1e-18, and every predicted
-/// covariance is singular to rounding.
+/// Nothing drives the states, so every row is x0 seen through F^k. One mode decays to 1e-18: predicted covariances are
+/// singular to rounding, where the published recursion with a pseudo-inverse was measured to be wrong by 2e-2.
 #[test]
 fn decaying_modes_without_noise_are_smoothed() {
     let turn = matrix([[1.0, 0.4], [-0.3, 1.0]]);
-    for (modes, tolerance) in [([1.0, 1.0], 1e-13)] {
+    for (modes, tolerance) in [([1.0, 1.0], 1e-13), ([1.0, 0.5], 1e-13), ([0.9, 0.2], 1e-13), ([1.05, 0.6], 1e-10)] {
         let back = turn.clone().try_inverse().expect("invertible");
         let model = Linear {
             f: &turn * DMatrix::from_diagonal(&vector(modes)) * back,

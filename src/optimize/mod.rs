@@ -12,6 +12,7 @@ pub mod pso;
 pub mod random;
 pub mod random_search;
 mod registry;
+mod saved;
 mod space;
 mod swarm;
 #[cfg(test)]

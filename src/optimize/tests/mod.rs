@@ -2,6 +2,7 @@
 
 mod local;
 mod refuelling;
+mod saved;
 mod steps;
 
 use super::*;

@@ -3,7 +3,11 @@
 //! Every optimiser is one file and one row of [`ALGORITHMS`]. All of them draw from [`random::Stream`] with one stream
 //! per (generation, candidate), so a result depends on the seed alone.
 
+pub mod memetic;
 pub mod nelder_mead;
+pub mod nsga2;
+pub mod operators;
+pub mod pareto;
 pub mod pio;
 pub mod pso;
 pub mod random;
@@ -30,7 +34,7 @@ pub trait Optimizer {
     /// The next candidates to score, or `None` when the method has come to its own end.
     fn ask(&mut self) -> Option<Population>;
 
-    /// Costs of exactly the population that [`Self::ask`] gave last.
+    /// Costs of exactly the population that [`Self::ask`] gave last, of which a memetic wrapper may have improved some.
     fn tell(&mut self, population: &Population, costs: &Evaluation);
 
     /// Whether the last [`Self::tell`] ended a generation; a method that scores a generation in several parts says

@@ -6,7 +6,7 @@ use super::kalman::{Estimate, Kalman, Update};
 use super::matrices::Formulas;
 use super::score::Scorer;
 use super::{Cause, Failure};
-use crate::data::{Log, Trajectory};
+use crate::data::{HeldOut, Log, Trajectory};
 use crate::model::{First, Problem};
 
 /// Everything a filter run computed, row by row.
@@ -106,9 +106,35 @@ impl Moment<'_> {
 /// # Panics
 /// As [`run`].
 pub fn costs(problem: &Problem, log: &Log, candidate: &[f64]) -> Result<Vec<f64>, Failure> {
+    costs_where(problem, log, candidate, |_, _| true)
+}
+
+/// The problem's objectives for a candidate over held-out rows alone; the filter runs through the rows before them.
+///
+/// `skip` still counts from a trajectory's first row, and `mismatch` averages over the last of the held-out rows.
+///
+/// # Errors
+/// As [`run`], also where the failure is in a row that does not score.
+///
+/// # Panics
+/// As [`run`], and if `held_out.from` has not one entry a trajectory.
+pub fn costs_held_out(problem: &Problem, held_out: &HeldOut, candidate: &[f64]) -> Result<Vec<f64>, Failure> {
+    costs_where(problem, &held_out.log, candidate, |trajectory, row| row >= held_out.from[trajectory])
+}
+
+/// Costs over the rows for which `scores` (trajectory, row) is true.
+fn costs_where(
+    problem: &Problem,
+    log: &Log,
+    candidate: &[f64],
+    scores: impl Fn(usize, usize) -> bool,
+) -> Result<Vec<f64>, Failure> {
     let truth = Truth::of(problem, log);
     let mut scorer = Scorer::new(&truth, &problem.tune.objectives);
     walk(problem, log, candidate, &mut |moment| {
+        if !scores(moment.trajectory, moment.row) {
+            return;
+        }
         let trajectory = &log.trajectories[moment.trajectory];
         let nees = || truth.nees(trajectory, moment.row, moment.posterior);
         scorer.row(moment.trajectory, (trajectory, moment.row), &moment.posterior.x, moment.update, nees);

@@ -11,3 +11,4 @@ mod examples;
 mod filter;
 mod gpu;
 mod tune;
+mod validation;

@@ -18,7 +18,7 @@ pub use error::{Cause, Place, ProblemError};
 pub use expr::{Binary, Expr, ExprKind, Function, Span, Symbol};
 pub use library::built_in_models;
 pub use parameter::{Parameter, Parameters, Scale, Search, Value};
-pub use problem::{DataSpec, FilterKind, First, Model, Problem, SimulateSpec, Start, TuneSpec};
+pub use problem::{DataSpec, FilterKind, First, Model, Pick, Problem, SimulateSpec, Start, TuneSpec};
 
 #[cfg(test)]
 mod tests;

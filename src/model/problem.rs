@@ -1,7 +1,7 @@
 //! A problem: data, model, parameters, filter, and how to tune.
 
 use super::{Expr, Parameters};
-use crate::objective::Objective;
+use crate::objective::{Constraint, Objective};
 
 /// A whole problem file, checked: names resolved, dimensions consistent, formulas linear where the filter needs it.
 #[derive(Debug, Clone)]
@@ -105,6 +105,10 @@ pub struct TuneSpec {
     pub algorithm: String,
     /// What is minimised, at least one.
     pub objectives: Vec<Objective>,
+    /// What every candidate should keep; feasible candidates win over others.
+    pub constraints: Vec<Constraint>,
+    /// Which member of a front is recommended, with several objectives.
+    pub pick: Pick,
     /// Candidates a generation.
     pub population: usize,
     /// Generations after the initial one.
@@ -123,6 +127,26 @@ pub struct TuneSpec {
     pub include_start: bool,
     /// Whether the winner is polished in f64.
     pub polish: bool,
+}
+
+impl TuneSpec {
+    /// Everything that is scored: the objectives, then what the constraints bound.
+    #[must_use]
+    pub fn scorers(&self) -> Vec<Objective> {
+        self.objectives.iter().chain(self.constraints.iter().map(|c| &c.measure)).cloned().collect()
+    }
+}
+
+/// Which member of a front is recommended.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum Pick {
+    /// The knee.
+    #[default]
+    Knee,
+    /// The best in this objective.
+    Best(usize),
+    /// The smallest weighted sum of objectives scaled to the front's range; one weight per objective.
+    Weights(Vec<f64>),
 }
 
 /// The `[simulate]` table.

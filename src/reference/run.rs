@@ -8,6 +8,7 @@ use super::score::Scorer;
 use super::{Cause, Failure};
 use crate::data::{Log, Trajectory};
 use crate::model::{First, Problem};
+use crate::objective::Objective;
 
 /// Everything a filter run computed, row by row.
 #[derive(Debug, Clone, PartialEq)]
@@ -106,8 +107,23 @@ impl Moment<'_> {
 /// # Panics
 /// As [`run`].
 pub fn costs(problem: &Problem, log: &Log, candidate: &[f64]) -> Result<Vec<f64>, Failure> {
+    costs_of(problem, log, candidate, &problem.tune.objectives)
+}
+
+/// As [`costs`], with what the problem's constraints bound behind the objectives: what a study's oracle gives.
+///
+/// # Errors
+/// As [`run`].
+///
+/// # Panics
+/// As [`run`].
+pub fn scores(problem: &Problem, log: &Log, candidate: &[f64]) -> Result<Vec<f64>, Failure> {
+    costs_of(problem, log, candidate, &problem.tune.scorers())
+}
+
+fn costs_of(problem: &Problem, log: &Log, candidate: &[f64], objectives: &[Objective]) -> Result<Vec<f64>, Failure> {
     let truth = Truth::of(problem, log);
-    let mut scorer = Scorer::new(&truth, &problem.tune.objectives);
+    let mut scorer = Scorer::new(&truth, objectives);
     walk(problem, log, candidate, &mut |moment| {
         let trajectory = &log.trajectories[moment.trajectory];
         let nees = || truth.nees(trajectory, moment.row, moment.posterior);

@@ -2,7 +2,10 @@
 
 use std::time::Instant;
 
+use serde::{Deserialize, Serialize};
+
 use super::archive::{Archive, Scored};
+use super::front::{FRONT_CAPACITY, Front};
 use crate::evaluate::{Evaluation, Population};
 
 /// Candidates that are re-scored in f64 at the end.
@@ -18,7 +21,7 @@ pub struct Generation {
     pub generation: usize,
     /// Evaluations up to and with this generation.
     pub evaluations: u64,
-    /// Best cost of the search so far; `None` while every candidate has failed.
+    /// Best cost of the search so far; `None` while no candidate is usable and feasible.
     pub best: Option<f64>,
     /// Median cost of this generation's usable candidates.
     pub median: Option<f64>,
@@ -26,6 +29,13 @@ pub struct Generation {
     pub spread: Option<f64>,
     /// Candidates of this generation that failed.
     pub failed: usize,
+    /// Candidates of this generation that are usable and meet all constraints.
+    pub feasible: usize,
+    /// Members of the front so far; `None` with one objective.
+    pub front: Option<usize>,
+    /// Volume that the front dominates, up to the study's reference point; `None` with one objective, and while the front
+    /// has no member.
+    pub hypervolume: Option<f64>,
     /// Time since the search began, in seconds.
     pub seconds: f64,
 }
@@ -41,6 +51,8 @@ pub trait Observer {
 pub(super) struct Record {
     clock: Instant,
     pub(super) archive: Archive,
+    /// With several objectives.
+    pub(super) front: Option<Front>,
     pub(super) start: Option<Scored>,
     pub(super) history: Vec<Generation>,
     pub(super) generations: usize,
@@ -49,14 +61,32 @@ pub(super) struct Record {
     pub(super) failed: u64,
     /// Generations since the last gain.
     pub(super) stalled: usize,
-    stall_cost: Option<f64>,
+    reached: Option<Reached>,
+}
+
+/// How far a search has come; both numbers fall.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+struct Reached {
+    /// Smallest violation.
+    violation: f64,
+    /// Best first objective, or minus the hypervolume.
+    cost: f64,
+}
+
+impl Reached {
+    /// Whether this is better than `old` by a relative 1e-9.
+    fn gains_on(self, old: Self) -> bool {
+        let gain = |old: f64, new: f64| old - new > STALL_GAIN * old.abs();
+        gain(old.violation, self.violation) || (self.violation <= 0.0 && gain(old.cost, self.cost))
+    }
 }
 
 impl Record {
-    pub(super) fn new() -> Self {
+    pub(super) fn new(objectives: usize) -> Self {
         Self {
             clock: Instant::now(),
             archive: Archive::new(FINALISTS),
+            front: (objectives > 1).then(|| Front::new(objectives, FRONT_CAPACITY)),
             start: None,
             history: Vec::new(),
             generations: 0,
@@ -64,7 +94,7 @@ impl Record {
             evaluate_s: 0.0,
             failed: 0,
             stalled: 0,
-            stall_cost: None,
+            reached: None,
         }
     }
 
@@ -76,17 +106,23 @@ impl Record {
     /// Keeps the user's start with its costs, if generation 0 holds it and it did not fail.
     pub(super) fn keep_start(&mut self, start: Option<&[f64]>, candidates: &Population, costs: &Evaluation) {
         let found = start.and_then(|start| candidates.rows().position(|row| row == start));
-        self.start = found
-            .filter(|i| costs.status(*i).is_ok())
-            .map(|i| Scored { candidate: candidates.row(i).to_vec(), costs: costs.costs(i).to_vec() });
+        self.start = found.filter(|i| costs.status(*i).is_ok()).map(|i| Scored {
+            candidate: candidates.row(i).to_vec(),
+            costs: costs.costs(i).to_vec(),
+            violation: costs.violation(i),
+        });
     }
 
     /// Takes in a finished generation.
     pub(super) fn add(&mut self, candidates: &Population, costs: &Evaluation) {
         self.archive.add(candidates, costs);
         self.evaluations += candidates.len() as u64;
-        let best = self.archive.best().map(|best| best.costs[0]);
-        self.count_stall(best);
+        if let Some(front) = &mut self.front {
+            front.add(candidates, costs);
+        }
+        let best = self.archive.best().filter(|best| best.violation <= 0.0).map(|best| best.costs[0]);
+        let hypervolume = self.front.as_ref().filter(|front| front.len() > 0).map(Front::hypervolume);
+        self.count_stall(hypervolume.map(|volume| -volume).or(best));
         let mut usable: Vec<f64> =
             (0..costs.len()).filter(|i| costs.status(*i).is_ok()).map(|i| costs.costs(i)[0]).collect();
         let failed = costs.len() - usable.len();
@@ -99,20 +135,26 @@ impl Record {
             median,
             spread: low.zip(high).map(|(low, high)| high - low),
             failed,
+            feasible: (0..costs.len()).filter(|i| costs.violation(*i) <= 0.0).count(),
+            front: self.front.as_ref().map(Front::len),
+            hypervolume,
             seconds: self.seconds(),
         });
         self.generations += 1;
     }
 
-    fn count_stall(&mut self, best: Option<f64>) {
-        let gained = match (self.stall_cost, best) {
+    /// `cost`: of the best feasible candidate, or minus the hypervolume of the front.
+    fn count_stall(&mut self, cost: Option<f64>) {
+        let best = self.archive.best();
+        let now = best.map(|best| Reached { violation: best.violation, cost: cost.unwrap_or(f64::MAX) });
+        let gained = match (self.reached, now) {
             (None, Some(_)) => true,
-            (Some(old), Some(new)) => old - new > STALL_GAIN * old.abs(),
+            (Some(old), Some(new)) => new.gains_on(old),
             _ => false,
         };
         self.stalled = if gained { 0 } else { self.stalled + 1 };
         if gained {
-            self.stall_cost = best;
+            self.reached = now;
         }
     }
 }
@@ -139,7 +181,7 @@ mod tests {
 
     #[test]
     fn rows_of_the_history() {
-        let mut record = Record::new();
+        let mut record = Record::new(1);
         let lost = add(&mut record, &[f64::NAN, f64::NAN]);
         assert_eq!((lost.best, lost.median, lost.spread, lost.failed), (None, None, None, 2));
         let row = add(&mut record, &[5.0, 1.0, f64::NAN, 3.0, 2.0, 4.0]);
@@ -151,7 +193,7 @@ mod tests {
 
     #[test]
     fn stall_counts_generations_without_a_relative_gain() {
-        let mut record = Record::new();
+        let mut record = Record::new(1);
         let steps = [(f64::NAN, 1), (-1.0, 0), (-1.0 - 1e-10, 1), (-1.0 - 5e-10, 2), (-1.0 - 2e-9, 0), (-0.5, 1)];
         for (cost, stalled) in steps {
             add(&mut record, &[cost]);

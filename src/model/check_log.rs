@@ -22,7 +22,7 @@ impl Problem {
     }
 
     /// An error with the place of the value at `path` of the problem file.
-    fn fault(&self, path: &[&str], cause: impl Into<Box<Cause>>) -> ProblemError {
+    pub(crate) fn fault(&self, path: &[&str], cause: impl Into<Box<Cause>>) -> ProblemError {
         Fault::new(locate(&self.text, path), cause).locate(&self.source, &self.text)
     }
 

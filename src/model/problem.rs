@@ -39,6 +39,27 @@ pub struct DataSpec {
     pub truth: Vec<(String, String)>,
     /// Trajectory column.
     pub trajectory: Option<String>,
+    /// What `tune` holds out; `None` = nothing.
+    pub validate: Option<ValidateSpec>,
+}
+
+/// `data.validate`: the share of the log that the search never sees.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ValidateSpec {
+    /// Between 0 and 1, both excluded.
+    pub share: f64,
+    /// What is held out; `None` = trajectories where there are several or the log is simulated, else rows in time.
+    pub by: Option<SplitBy>,
+}
+
+/// What is held out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SplitBy {
+    /// Whole trajectories, or fresh realisations of a simulated log.
+    Trajectory,
+    /// The last rows of each trajectory.
+    Time,
 }
 
 /// A state-space model: x' = f(x, u, dt) + w, z = h(x, u) + v, w ~ N(0, Q), v ~ N(0, R).

@@ -4,6 +4,7 @@
 
 mod diffuse;
 mod examples;
+mod held_out;
 mod joint_density;
 mod rules;
 mod simulated;

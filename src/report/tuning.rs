@@ -2,8 +2,11 @@
 
 use serde::Serialize;
 
-use super::{Bound, Consistency, Evidence, Matrices, Named, Warning, matrices, raw_rmse};
-use crate::data::Log;
+use super::{
+    Bound, Consistency, ConstraintCheck, Evidence, FrontPoint, FrontSummary, Matrices, Named, Warning, constraint_checks,
+    front, matrices, raw_rmse,
+};
+use crate::data::{HeldOut, Log};
 use crate::evaluate::Device;
 use crate::model::Problem;
 use crate::objective::Objective;
@@ -74,8 +77,14 @@ pub struct Tuning {
     pub consistency: Consistency,
     /// Search costs against the reference.
     pub certificate: Certificate,
-    /// The non-dominated candidates of a study of several objectives.
-    pub front: Option<Vec<Scored>>,
+    /// Constraints, held against the winner.
+    pub constraints: Vec<ConstraintCheck>,
+    /// Whether the winner meets all of them.
+    pub feasible: bool,
+    /// The non-dominated candidates of a study of several objectives, of which the winner is the recommended one.
+    pub front: Option<Vec<FrontPoint>>,
+    /// What that front offers.
+    pub front_summary: Option<FrontSummary>,
     /// The local search in f64 that ended the study.
     pub polish: Option<Polish>,
     /// The tuned filter.
@@ -96,7 +105,10 @@ pub struct Nothing {
     pub validation: (),
     pub consistency: (),
     pub certificate: (),
+    pub constraints: (),
+    pub feasible: (),
     pub front: (),
+    pub front_summary: (),
     pub polish: (),
     pub matrices: (),
     #[serde(flatten)]
@@ -127,6 +139,8 @@ pub struct Certificate {
     pub candidates: usize,
     /// How many of them the reference could not run.
     pub refused: usize,
+    /// How many of them it finds infeasible or, of a front, dominated by another.
+    pub dropped: usize,
 }
 
 /// The local search that ended a study of one objective.
@@ -178,7 +192,10 @@ impl Effort {
             validation: (),
             consistency: (),
             certificate: (),
+            constraints: (),
+            feasible: (),
             front: (),
+            front_summary: (),
             polish: (),
             matrices: (),
         }
@@ -213,7 +230,10 @@ impl Tuning {
             validation: None,
             consistency: evidence.judge(problem, &winner.candidate),
             certificate: Certificate::of(problem, &winner.certificate),
+            constraints: Vec::new(),
+            feasible: winner.violation <= 0.0,
             front: None,
+            front_summary: None,
             polish: winner.polish.as_ref().map(|polish| Polish::of(problem, polish)),
             matrices: Matrices::of(problem, log, &winner.candidate, last_gain),
             raw_measurements: raw.collect(),
@@ -221,6 +241,15 @@ impl Tuning {
         let found = Warning::of(&tuning);
         tuning.effort.warnings.extend(found.iter().map(ToString::to_string));
         Ok(tuning)
+    }
+
+    /// With what `outcome` has beyond its winner: the front, re-scored on `held_out` rows where there are any, and the
+    /// constraints.
+    #[must_use]
+    pub fn with_front(mut self, problem: &Problem, outcome: &Outcome, held_out: Option<&HeldOut>) -> Self {
+        (self.front, self.front_summary) = front(problem, outcome, held_out).unzip();
+        self.constraints = constraint_checks(problem, outcome);
+        self
     }
 }
 
@@ -233,6 +262,7 @@ impl Certificate {
             order_held: certificate.order_held,
             candidates: certificate.finalists,
             refused: certificate.refused,
+            dropped: certificate.dropped,
         }
     }
 }

@@ -17,7 +17,7 @@ use crate::data::Log;
 use crate::evaluate::{CpuEvaluator, CpuOptions, Evaluator, Precision};
 use crate::model::{Problem, TuneSpec};
 use crate::reference;
-use crate::report::{Effort, Tuning};
+use crate::report::{Effort, Tuning, unmet, write_front};
 use crate::study::{self, Judge, Observer, Outcome, StopReason, Study};
 
 /// Search the parameters of a filter on a log, and report how much better the best found is.
@@ -33,6 +33,16 @@ pub(super) struct Tune {
     /// `data.file`), to use one problem file on many logs.
     #[arg(long, value_name = "FILE")]
     data: Option<String>,
+
+    /// Constraint on the winner, such as 'nis_mean <= 1.2' or 'rmse <= 5'; may be given several times (default: the
+    /// file's `tune.constraints`, which these replace).
+    #[arg(long = "constraint", value_name = "BOUND")]
+    constraints: Vec<String>,
+
+    /// Member of the front to recommend, with several objectives: `knee`, the name of an objective for the best in it, or
+    /// weights such as nll=0.7,rmse=0.3 (default: the file's `tune.pick`, or knee).
+    #[arg(long, value_name = "PICK")]
+    pick: Option<String>,
 
     /// Optimiser: pso, pso-inertia, pio, pio-printed, pio+, random (default: the file's `tune.algorithm`), to compare searches.
     #[arg(long, value_name = "NAME")]
@@ -118,9 +128,12 @@ impl Tune {
         let said = warnings.len();
         let effort = Effort::of(&problem, &log, &outcome, device, warnings);
         let Some(winner) = &outcome.winner else { return self.report_nothing(effort, &outcome, folder.as_ref()) };
-        let tuning = Tuning::of(effort, &problem, &log, winner)?;
+        let tuning = Tuning::of(effort, &problem, &log, winner)?.with_front(&problem, &outcome, None);
         if let Some(folder) = &folder {
             results::write(folder, &tuning, &outcome.history)?;
+            if let Some(points) = &tuning.front {
+                folder.write("front.csv", |out| Ok(write_front(points, out)?))?;
+            }
             results::write_problem(folder, &problem, &winner.candidate, &origin)?;
         }
         if self.json {
@@ -130,6 +143,10 @@ impl Tune {
         }
         tuning.effort.warnings[said..].iter().for_each(|warning| console.warn(warning));
         let interrupted = outcome.stop == StopReason::Interrupted;
+        if let Some(sentence) = unmet(&tuning.constraints) {
+            console::error(&anyhow!(sentence));
+            return Ok(if interrupted { Ending::Interrupted } else { Ending::NotUsable });
+        }
         Ok(if interrupted { Ending::Interrupted } else { Ending::Done })
     }
 
@@ -140,7 +157,7 @@ impl Tune {
         let wants_another = problem.tune.polish && !evaluator.can_polish();
         let in_f64 = CpuOptions { precision: Precision::F64, ..self.compute.cpu() };
         let mut polisher = wants_another.then(|| CpuEvaluator::new(problem, log, in_f64)).transpose()?;
-        let oracle = |candidate: &[f64]| reference::costs(problem, log, candidate).ok();
+        let oracle = |candidate: &[f64]| reference::scores(problem, log, candidate).ok();
         let judge = Judge { oracle: &oracle, polisher: polisher.as_mut().map(|p| p as &mut dyn Evaluator) };
         let mut progress = Progress::new(console, &problem.tune)?;
         let observers: &mut [&mut dyn Observer] = &mut [&mut progress];
@@ -174,6 +191,8 @@ impl Tune {
         [
             text("--algorithm", &["tune", "algorithm"], &self.algorithm),
             (!self.objectives.is_empty()).then(objectives),
+            (!self.constraints.is_empty()).then(|| Override::constraints(&self.constraints)),
+            self.pick.as_deref().map(Override::pick),
             integer("--population", &["tune", "population"], *population),
             integer("--generations", &["tune", "generations"], *generations),
             integer("--seed", &["tune", "seed"], *seed),

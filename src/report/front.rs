@@ -142,7 +142,7 @@ impl FrontSummary {
                 _ if *value <= best => format!("{name} at its best"),
                 // A best close to 0 makes any share of it large and meaningless.
                 Some(share) if share < 10.0 => format!("{name} {} % above its best", significant(100.0 * share, 2)),
-                _ => format!("{name} {} (best {})", significant(*value, 3), significant(best, 3)),
+                _ => format!("{name} {} (best {})", short(*value, 3), short(best, 3)),
             }
         };
         format!("{}: {}", self.pick, recommended.objectives.iter().map(part).collect::<Vec<_>>().join(", "))
@@ -174,9 +174,12 @@ impl FrontSummary {
 
 /// Every marked member, and others evenly along the front.
 fn representatives(points: &[FrontPoint]) -> Vec<usize> {
+    if points.len() <= SHOWN {
+        return (0..points.len()).collect();
+    }
     let mut shown: Vec<usize> = (0..points.len()).filter(|i| !points[*i].marks.is_empty()).collect();
-    let room = SHOWN.saturating_sub(shown.len()).min(points.len());
-    let last = points.len().saturating_sub(1);
+    let room = SHOWN.saturating_sub(shown.len());
+    let last = points.len() - 1;
     shown.extend((1..=room).map(|i| i * last / (room + 1)));
     shown.sort_unstable();
     shown.dedup();
@@ -232,7 +235,7 @@ mod tests {
         assert_eq!(line, "knee: nll 3.2 % above its best, rmse 1.1 % above its best");
         let end = summary("best nll", [-5.0, 1e-9], [Some(0.0), Some(4e7)]);
         let line = end.given_up_line(&point(0, [-5.0, 0.04], &["recommended", "best nll"]));
-        assert_eq!(line, "best nll: nll at its best, rmse 0.04 (best 1e-9)");
+        assert_eq!(line, "best nll: nll at its best, rmse 0.04 (best 1.00e-9)");
     }
 
     #[test]

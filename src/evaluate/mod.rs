@@ -238,7 +238,7 @@ impl Evaluation {
 }
 
 /// Where costs were computed, for reports.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Device {
     /// `cpu`, `gpu` or `mock`.
     pub backend: String,

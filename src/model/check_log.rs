@@ -143,10 +143,8 @@ impl Problem {
             };
             if !log.trajectories.iter().any(known) {
                 let names = needed.iter().map(|s| format!("`{s}`")).collect::<Vec<_>>().join(", ");
-                let problem = format!(
-                    "the {what} `{name}` needs truth of {names}, and no scored row of {} has it",
-                    log.source
-                );
+                let problem =
+                    format!("the {what} `{name}` needs truth of {names}, and no scored row of {} has it", log.source);
                 return Err(self.log_fault(&["tune", key], problem));
             }
         }

@@ -1,6 +1,6 @@
 //! A problem: data, model, parameters, filter, and how to tune.
 
-use super::{Expr, Parameters};
+use super::{Expr, Parameters, Span};
 use crate::objective::{Constraint, Objective};
 
 /// A whole problem file, checked: names resolved, dimensions consistent, formulas linear where the filter needs it.
@@ -191,4 +191,20 @@ pub struct SimulateSpec {
     pub trajectories: usize,
     /// Seed.
     pub seed: u64,
+}
+
+impl Model {
+    /// The same model, wherever its formulas stand in the file.
+    pub(crate) fn without_spans(&self) -> Self {
+        let mut model = self.clone();
+        let start = match &mut model.x0 {
+            Start::Values(formulas) => formulas.as_mut_slice(),
+            Start::Measurement => &mut [],
+        };
+        let lists = [&mut model.f, &mut model.h, &mut model.q, &mut model.r, &mut model.p0];
+        for formula in lists.into_iter().flatten().chain(start) {
+            formula.map_spans(&|_| Span::default());
+        }
+        model
+    }
 }

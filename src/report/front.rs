@@ -86,8 +86,12 @@ const fn knee_mark(landmarks: &Landmarks) -> &'static str {
 
 fn summary(problem: &Problem, outcome: &Outcome, landmarks: &Landmarks, names: &[&str]) -> Option<FrontSummary> {
     let named = |values: Vec<f64>| Named::new(names.iter().copied(), values);
-    let best: Vec<f64> =
-        landmarks.ends.iter().enumerate().map(|(j, end)| outcome.front.get(*end)?.objectives.get(j).copied()).collect::<Option<_>>()?;
+    let best: Vec<f64> = landmarks
+        .ends
+        .iter()
+        .enumerate()
+        .map(|(j, end)| outcome.front.get(*end)?.objectives.get(j).copied())
+        .collect::<Option<_>>()?;
     let recommended = &outcome.front.get(landmarks.recommended)?.objectives;
     let share = |(value, best): (&f64, &f64)| (best.abs() > 0.0).then(|| (value - best) / best.abs());
     let pick = match &problem.tune.pick {
@@ -153,7 +157,9 @@ impl FrontSummary {
         match self.dominate_baseline {
             None => "The baseline fails, so it cannot be compared.".to_owned(),
             Some(0) => "No member is better than the baseline in every objective.".to_owned(),
-            Some(better) => format!("{better} of {members} members are better than the baseline in every objective or equal."),
+            Some(better) => {
+                format!("{better} of {members} members are better than the baseline in every objective or equal.")
+            }
         }
     }
 
@@ -267,7 +273,8 @@ mod tests {
         let mut points = vec![point(1, [1.5, 2.0], &["best nll"]), point(2, [2.5, 1.0], &["recommended", "knee"])];
         assert_eq!(written(&points), "q,nll,rmse,marks\n1,1.5,2,best nll\n2,2.5,1,recommended; knee\n");
         points[1].held_out = Some(Named::new(["nll", "rmse"], [3.5, 4.0]));
-        let expected = "q,nll,rmse,held_out.nll,held_out.rmse,marks\n1,1.5,2,,,best nll\n2,2.5,1,3.5,4,recommended; knee\n";
+        let expected =
+            "q,nll,rmse,held_out.nll,held_out.rmse,marks\n1,1.5,2,,,best nll\n2,2.5,1,3.5,4,recommended; knee\n";
         assert_eq!(written(&points), expected);
     }
 }

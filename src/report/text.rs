@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{constraint, Effort, Gain, Named, Scored, TextTable, Tuning, count, seconds, short, significant};
+use super::{Effort, Gain, Named, Scored, TextTable, Tuning, constraint, count, seconds, short, significant};
 use crate::evaluate::Device;
 use crate::study::StopReason;
 

@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use super::{
-    Bound, Consistency, ConstraintCheck, Evidence, FrontPoint, FrontSummary, Matrices, Named, Warning, constraint_checks,
-    front, matrices, raw_rmse,
+    Bound, Consistency, ConstraintCheck, Evidence, FrontPoint, FrontSummary, Matrices, Named, Warning,
+    constraint_checks, front, matrices, raw_rmse,
 };
 use crate::data::{HeldOut, Log};
 use crate::evaluate::Device;

@@ -1,9 +1,11 @@
 //! The best distinct candidates that a search has seen.
 
+use serde::{Deserialize, Serialize};
+
 use crate::evaluate::{Evaluation, Population};
 
 /// A candidate and its costs, one per objective.
-#[derive(Debug, Clone, PartialEq, Default, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Scored {
     /// Values of the searched parameters, in their own units.
     pub candidate: Vec<f64>,
@@ -33,6 +35,11 @@ impl Archive {
     #[must_use]
     pub const fn new(capacity: usize) -> Self {
         Self { capacity, members: Vec::new() }
+    }
+
+    /// With these members, best first.
+    pub(super) const fn of(capacity: usize, members: Vec<Scored>) -> Self {
+        Self { capacity, members }
     }
 
     /// The members, best first.

@@ -1,29 +1,34 @@
 //! The study: the one loop of ask, evaluate, tell; then the f64 verdict on what it found.
 
 mod archive;
+mod checkpoint;
 mod coordinates;
 mod finish;
 mod front;
 mod record;
+mod search;
+mod snapshot;
 mod stop;
 #[cfg(test)]
 mod tests;
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
 
 pub use archive::{Archive, Scored};
+pub use checkpoint::{Checkpoint, CheckpointError, CheckpointFile, Identity, Source};
 pub use coordinates::Coordinates;
 pub use finish::{Certificate, Polish};
-pub use front::{FRONT_CAPACITY, FrontMember, Landmarks};
-pub use record::{FINALISTS, Generation, Observer};
+pub use front::{FRONT_CAPACITY, Front, FrontMember, Landmarks};
+pub use record::{FINALISTS, Generation, Observer, Reached};
+pub use snapshot::Snapshot;
 pub use stop::StopReason;
 
 use crate::evaluate::{Evaluation, Evaluator, Population};
 use crate::model::{Parameters, Problem, TuneSpec};
-use crate::optimize::{self, OptimizeError, Optimizer, Settings};
+use crate::optimize::{self, OptimizeError, Optimizer, RestoreError, Settings};
 use finish::{Bounds, Polished};
 use record::Record;
+use search::Search;
 
 /// Objectives of which a front is searched.
 pub const MAX_OBJECTIVES: usize = 4;
@@ -42,6 +47,17 @@ impl<'a> Study<'a> {
     #[must_use]
     pub const fn of(problem: &'a Problem) -> Self {
         Self { parameters: &problem.parameters, tune: &problem.tune }
+    }
+
+    /// The optimiser that `tune.algorithm` names, for so many objectives.
+    fn optimizer(&self, objectives: usize) -> Result<Box<dyn Optimizer>, StudyError> {
+        if self.parameters.dimension() == 0 {
+            return Err(StudyError::NothingSearched);
+        }
+        let &TuneSpec { population, generations, seed, evaluations, include_start, .. } = self.tune;
+        let settings = Settings { population, generations, seed, objectives, evaluations };
+        let space = Coordinates::new(self.parameters, include_start).space();
+        Ok(optimize::build(&self.tune.algorithm, &space, &settings)?)
     }
 }
 
@@ -161,6 +177,15 @@ pub enum StudyError {
         /// Values received.
         received: usize,
     },
+    /// The optimiser refuses its saved state.
+    #[error(transparent)]
+    Restore(#[from] RestoreError),
+    /// The saved search is another one.
+    #[error("the saved search is not one of this study: {problem} (resume it with the study that saved it)")]
+    Snapshot {
+        /// What does not fit.
+        problem: &'static str,
+    },
     /// The evaluator broke its contract.
     #[error("the evaluator returned {received} costs for {expected} candidates: it must return one row each")]
     Evaluator {
@@ -175,8 +200,9 @@ pub enum StudyError {
 /// and polishes the winner.
 ///
 /// Between generations `interrupt` is read: once true, the search ends with the best so far and polish is left out. A
-/// generation starts only if all of it fits in the evaluations allowed. Apart from times, the outcome depends on the
-/// study and the costs alone, as long as neither wall time nor an interrupt ends it.
+/// generation starts only if all of it fits in the evaluations allowed; one of several parts ends with the last part
+/// that fits. Apart from times, the outcome depends on the study and the costs alone, as long as neither wall time nor
+/// an interrupt ends it.
 ///
 /// # Errors
 /// If nothing is searched, the optimiser cannot be built, the budget holds no generation, or the evaluator returns the
@@ -188,19 +214,7 @@ pub fn run(
     observers: &mut [&mut dyn Observer],
     interrupt: &AtomicBool,
 ) -> Result<Outcome, StudyError> {
-    let tune = study.tune;
-    let settings = Settings {
-        population: tune.population,
-        generations: tune.generations,
-        seed: tune.seed,
-        objectives: evaluator.objectives(),
-        evaluations: tune.evaluations,
-    };
-    if study.parameters.dimension() == 0 {
-        return Err(StudyError::NothingSearched);
-    }
-    let space = Coordinates::new(study.parameters, tune.include_start).space();
-    let mut optimizer = optimize::build(&tune.algorithm, &space, &settings)?;
+    let mut optimizer = study.optimizer(evaluator.objectives())?;
     run_with(study, optimizer.as_mut(), evaluator, judge, observers, interrupt)
 }
 
@@ -217,6 +231,51 @@ pub fn run_with(
     observers: &mut [&mut dyn Observer],
     interrupt: &AtomicBool,
 ) -> Result<Outcome, StudyError> {
+    let task = Task { study, optimizer, from: None };
+    run_task(task, evaluator, judge, observers, interrupt)
+}
+
+/// As [`run`], going on from where a search of the same study stood: the outcome has the bits of one that was never
+/// interrupted, if the evaluator's costs have. Limits may be others than before; a search that had ended by a limit
+/// which no longer holds goes on.
+///
+/// # Errors
+/// As [`run`]; and if the saved search does not fit the study.
+pub fn resume(
+    study: &Study<'_>,
+    from: &Snapshot,
+    evaluator: &mut dyn Evaluator,
+    judge: Judge<'_>,
+    observers: &mut [&mut dyn Observer],
+    interrupt: &AtomicBool,
+) -> Result<Outcome, StudyError> {
+    let mut optimizer = study.optimizer(evaluator.objectives())?;
+    let task = Task { study, optimizer: optimizer.as_mut(), from: Some(from) };
+    run_task(task, evaluator, judge, observers, interrupt)
+}
+
+/// A study, the optimiser that moves its candidates, and where the search begins.
+pub struct Task<'a> {
+    /// What is searched, and how.
+    pub study: &'a Study<'a>,
+    /// Newly built; it moves in the [`Coordinates`] of the study.
+    pub optimizer: &'a mut dyn Optimizer,
+    /// The search to go on from; `None` = begin with generation 0.
+    pub from: Option<&'a Snapshot>,
+}
+
+/// What [`run`], [`run_with`] and [`resume`] are short for.
+///
+/// # Errors
+/// As they have.
+pub fn run_task(
+    task: Task<'_>,
+    evaluator: &mut dyn Evaluator,
+    judge: Judge<'_>,
+    observers: &mut [&mut dyn Observer],
+    interrupt: &AtomicBool,
+) -> Result<Outcome, StudyError> {
+    let Task { study, optimizer, from } = task;
     let tune = study.tune;
     if study.parameters.dimension() == 0 {
         return Err(StudyError::NothingSearched);
@@ -228,7 +287,13 @@ pub fn run_with(
     }
     let baseline = baseline(study.parameters.baseline(), judge.oracle, bounds)?;
     let mut record = Record::new(bounds.objectives);
-    let mut search = Search { tune, coordinates: &coordinates, optimizer, evaluator, record: &mut record };
+    if let Some(from) = from {
+        from.check(optimizer.name(), study.parameters.dimension(), bounds.objectives)?;
+        optimizer.restore(&from.optimizer)?;
+        record = Record::of(from);
+    }
+    let search = Search::new(tune, &coordinates, optimizer, evaluator, &mut record);
+    let mut search = search.restored(from.map(|from| from.optimizer.as_slice()));
     let ended = search.run(observers, interrupt)?;
     let Decision { winner, front, landmarks } = decide(tune, &coordinates, &record, evaluator, judge, interrupt)?;
     let stop = if interrupt.load(Ordering::Relaxed) { StopReason::Interrupted } else { ended };
@@ -239,7 +304,7 @@ pub fn run_with(
         front,
         landmarks,
         reference_point: record.front.as_ref().map_or_else(Vec::new, |front| front.reference().to_vec()),
-        generations: record.generations,
+        generations: record.generations(),
         evaluations: record.evaluations,
         failed: record.failed,
         stop,
@@ -247,59 +312,6 @@ pub fn run_with(
         wall_s: record.seconds(),
         history: record.history,
     })
-}
-
-/// The one loop.
-struct Search<'s> {
-    tune: &'s TuneSpec,
-    coordinates: &'s Coordinates,
-    optimizer: &'s mut dyn Optimizer,
-    evaluator: &'s mut dyn Evaluator,
-    record: &'s mut Record,
-}
-
-impl Search<'_> {
-    fn run(&mut self, observers: &mut [&mut dyn Observer], interrupt: &AtomicBool) -> Result<StopReason, StudyError> {
-        loop {
-            if let Some(reason) = stop::reason(self.tune, self.record, interrupt) {
-                return Ok(reason);
-            }
-            let Some(positions) = self.optimizer.ask() else {
-                return Ok(StopReason::Generations);
-            };
-            if !self.fits(positions.len())? {
-                return Ok(StopReason::Evaluations);
-            }
-            self.generation(&positions)?;
-            let row = &self.record.history[self.record.generations - 1];
-            for observer in observers.iter_mut() {
-                observer.generation(row, self.record.archive.best());
-            }
-        }
-    }
-
-    /// Whether a generation of this size fits in the evaluations allowed; the first one must.
-    fn fits(&self, population: usize) -> Result<bool, StudyError> {
-        let allowed = self.tune.evaluations.unwrap_or(u64::MAX);
-        let fits = self.record.evaluations + population as u64 <= allowed;
-        if !fits && self.record.generations == 0 {
-            return Err(StudyError::BudgetTooSmall { evaluations: allowed, population });
-        }
-        Ok(fits)
-    }
-
-    fn generation(&mut self, positions: &Population) -> Result<(), StudyError> {
-        let candidates = self.coordinates.candidates(positions);
-        let clock = Instant::now();
-        let costs = evaluate(self.evaluator, &candidates)?;
-        self.record.evaluate_s += clock.elapsed().as_secs_f64();
-        self.optimizer.tell(positions, &costs.penalised());
-        if self.record.generations == 0 {
-            self.record.keep_start(self.coordinates.start(), &candidates, &costs);
-        }
-        self.record.add(&candidates, &costs);
-        Ok(())
-    }
 }
 
 /// Costs of a population, one row a candidate or an error.

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
+use super::Snapshot;
 use super::archive::{Archive, Scored};
 use super::front::{FRONT_CAPACITY, Front};
 use crate::evaluate::{Evaluation, Population};
@@ -15,7 +16,7 @@ pub const FINALISTS: usize = 16;
 const STALL_GAIN: f64 = 1e-9;
 
 /// One generation of the history. Costs are of the first objective, as the search scored them.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Generation {
     /// 0 = the initial population.
     pub generation: usize,
@@ -36,7 +37,7 @@ pub struct Generation {
     /// Volume that the front dominates, up to the study's reference point; `None` with one objective, and while the front
     /// has no member.
     pub hypervolume: Option<f64>,
-    /// Time since the search began, in seconds.
+    /// Time since the search began, in seconds; a resumed one counts what was spent before.
     pub seconds: f64,
 }
 
@@ -44,33 +45,44 @@ pub struct Generation {
 pub trait Observer {
     /// A generation is finished; `best` is the best candidate so far, as the search scored it.
     fn generation(&mut self, row: &Generation, best: Option<&Scored>);
+
+    /// Whether [`Self::state`] is of use to it. Asked once, before the search.
+    fn keeps_states(&self) -> bool {
+        false
+    }
+
+    /// After every finished generation, and once more with `ended` when none will follow: `make` gives what the search
+    /// can be resumed from. Never called for an optimiser that keeps no state.
+    fn state(&mut self, _make: &dyn Fn() -> Snapshot, _ended: bool) {}
 }
 
 /// The running record of a search.
 #[derive(Debug)]
 pub(super) struct Record {
     clock: Instant,
+    /// Seconds spent before the clock was started, by the runs that this one goes on from.
+    spent: f64,
     pub(super) archive: Archive,
     /// With several objectives.
     pub(super) front: Option<Front>,
     pub(super) start: Option<Scored>,
     pub(super) history: Vec<Generation>,
-    pub(super) generations: usize,
     pub(super) evaluations: u64,
     pub(super) evaluate_s: f64,
     pub(super) failed: u64,
     /// Generations since the last gain.
     pub(super) stalled: usize,
-    reached: Option<Reached>,
+    pub(super) reached: Option<Reached>,
+    unfinished: Unfinished,
 }
 
 /// How far a search has come; both numbers fall.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-struct Reached {
-    /// Smallest violation.
-    violation: f64,
-    /// Best first objective, or minus the hypervolume.
-    cost: f64,
+pub struct Reached {
+    /// Smallest violation of the constraints.
+    pub violation: f64,
+    /// Best first objective, or minus the hypervolume; the worst finite number while nothing is feasible.
+    pub cost: f64,
 }
 
 impl Reached {
@@ -81,66 +93,111 @@ impl Reached {
     }
 }
 
+/// The parts so far of a generation that is not finished.
+#[derive(Debug, Default)]
+struct Unfinished {
+    /// Costs of its usable candidates.
+    costs: Vec<f64>,
+    failed: usize,
+    feasible: usize,
+}
+
 impl Record {
     pub(super) fn new(objectives: usize) -> Self {
         Self {
             clock: Instant::now(),
+            spent: 0.0,
             archive: Archive::new(FINALISTS),
             front: (objectives > 1).then(|| Front::new(objectives, FRONT_CAPACITY)),
             start: None,
             history: Vec::new(),
-            generations: 0,
             evaluations: 0,
             evaluate_s: 0.0,
             failed: 0,
             stalled: 0,
             reached: None,
+            unfinished: Unfinished::default(),
         }
+    }
+
+    /// As it stood when the snapshot was taken.
+    pub(super) fn of(snapshot: &Snapshot) -> Self {
+        Self {
+            spent: snapshot.wall_s,
+            archive: Archive::of(FINALISTS, snapshot.archive.clone()),
+            start: snapshot.start.clone(),
+            history: snapshot.history.clone(),
+            evaluations: snapshot.evaluations(),
+            evaluate_s: snapshot.evaluate_s,
+            failed: snapshot.failed(),
+            stalled: snapshot.stalled,
+            reached: snapshot.reached,
+            front: snapshot.front.clone(),
+            ..Self::new(1)
+        }
+    }
+
+    /// Finished generations.
+    pub(super) const fn generations(&self) -> usize {
+        self.history.len()
+    }
+
+    /// Whether a generation has parts but no end yet.
+    pub(super) const fn is_unfinished(&self) -> bool {
+        !self.unfinished.costs.is_empty() || self.unfinished.failed > 0
     }
 
     /// Time since the beginning, in seconds.
     pub(super) fn seconds(&self) -> f64 {
-        self.clock.elapsed().as_secs_f64()
+        self.spent + self.clock.elapsed().as_secs_f64()
     }
 
-    /// Keeps the user's start with its costs, if generation 0 holds it and it did not fail.
-    pub(super) fn keep_start(&mut self, start: Option<&[f64]>, candidates: &Population, costs: &Evaluation) {
-        let found = start.and_then(|start| candidates.rows().position(|row| row == start));
-        self.start = found.filter(|i| costs.status(*i).is_ok()).map(|i| Scored {
+    /// Keeps the user's start with its costs, if these candidates hold it and it did not fail.
+    pub(super) fn keep_start(&mut self, start: &[f64], candidates: &Population, costs: &Evaluation) {
+        let found = candidates.rows().position(|row| row == start).filter(|i| costs.status(*i).is_ok());
+        let scored = found.map(|i| Scored {
             candidate: candidates.row(i).to_vec(),
             costs: costs.costs(i).to_vec(),
             violation: costs.violation(i),
         });
+        self.start = self.start.take().or(scored);
     }
 
-    /// Takes in a finished generation.
+    /// Takes in scored candidates: a generation, or a part of one.
     pub(super) fn add(&mut self, candidates: &Population, costs: &Evaluation) {
         self.archive.add(candidates, costs);
         self.evaluations += candidates.len() as u64;
+        let usable = (0..costs.len()).filter(|i| costs.status(*i).is_ok());
+        let before = self.unfinished.costs.len();
+        self.unfinished.costs.extend(usable.map(|i| costs.costs(i)[0]));
+        let failed = costs.len() - (self.unfinished.costs.len() - before);
+        self.unfinished.failed += failed;
+        self.failed += failed as u64;
+        self.unfinished.feasible += (0..costs.len()).filter(|i| costs.violation(*i) <= 0.0).count();
         if let Some(front) = &mut self.front {
             front.add(candidates, costs);
         }
+    }
+
+    /// Makes a row of the history of what was added since the last one.
+    pub(super) fn finish_generation(&mut self) {
         let best = self.archive.best().filter(|best| best.violation <= 0.0).map(|best| best.costs[0]);
         let hypervolume = self.front.as_ref().filter(|front| front.len() > 0).map(Front::hypervolume);
         self.count_stall(hypervolume.map(|volume| -volume).or(best));
-        let mut usable: Vec<f64> =
-            (0..costs.len()).filter(|i| costs.status(*i).is_ok()).map(|i| costs.costs(i)[0]).collect();
-        let failed = costs.len() - usable.len();
-        self.failed += failed as u64;
-        let [low, median, high] = [0.25, 0.5, 0.75].map(|share| quantile(&mut usable, share));
+        let Unfinished { mut costs, failed, feasible } = std::mem::take(&mut self.unfinished);
+        let [low, median, high] = [0.25, 0.5, 0.75].map(|share| quantile(&mut costs, share));
         self.history.push(Generation {
-            generation: self.generations,
+            generation: self.generations(),
             evaluations: self.evaluations,
             best,
             median,
             spread: low.zip(high).map(|(low, high)| high - low),
             failed,
-            feasible: (0..costs.len()).filter(|i| costs.violation(*i) <= 0.0).count(),
+            feasible,
             front: self.front.as_ref().map(Front::len),
             hypervolume,
             seconds: self.seconds(),
         });
-        self.generations += 1;
     }
 
     /// `cost`: of the best feasible candidate, or minus the hypervolume of the front.
@@ -176,6 +233,7 @@ mod tests {
         let rows: Vec<f64> = (0..costs.len()).map(|i| (record.evaluations as usize + i) as f64).collect();
         let status = costs.iter().map(|c| if c.is_nan() { Status::NOT_FINITE } else { Status::OK }).collect();
         record.add(&Population::from_rows(1, rows), &Evaluation::new(1, costs.to_vec(), status));
+        record.finish_generation();
         record.history.last().expect("a row").clone()
     }
 

@@ -47,7 +47,7 @@ pub(super) fn reason(tune: &TuneSpec, record: &Record, interrupt: &AtomicBool) -
         Some(StopReason::Interrupted)
     } else if tune.target.is_some_and(reached) {
         Some(StopReason::Target)
-    } else if record.generations == 0 {
+    } else if record.generations() == 0 {
         None
     } else if tune.stall.is_some_and(|limit| record.stalled >= limit) {
         Some(StopReason::Stall)

@@ -1,5 +1,7 @@
 //! The loop on the mock evaluator.
 
+mod resume;
+
 use super::*;
 use crate::evaluate::mock::{Landscape, Mock};
 use crate::model::{Parameter, Pick, Scale, Search as Range, Value};

@@ -3,6 +3,10 @@
 mod certify;
 mod pick;
 mod prune;
+#[cfg(test)]
+mod study;
+#[cfg(test)]
+mod tests;
 
 use serde::{Deserialize, Serialize};
 
@@ -31,7 +35,7 @@ pub struct FrontMember {
 
 /// The running front of a search, whatever the optimiser: no member is as good as another in every objective.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct Front {
+pub struct Front {
     capacity: usize,
     candidates: Vec<Vec<f64>>,
     /// Costs column by column, one an objective: a candidate is compared with all members at once.
@@ -43,6 +47,17 @@ pub(super) struct Front {
 impl Front {
     pub(super) fn new(objectives: usize, capacity: usize) -> Self {
         Self { capacity, candidates: Vec::new(), costs: vec![Vec::new(); objectives], reference: Vec::new() }
+    }
+
+    /// Whether a saved front can be one of a search over so many parameters and objectives.
+    pub(super) fn fits(front: Option<&Self>, dimension: usize, objectives: usize) -> bool {
+        let Some(Self { capacity, candidates, costs, reference }) = front else { return objectives < 2 };
+        let finite = |values: &Vec<f64>| values.iter().all(|value| value.is_finite());
+        let columns = costs.iter().all(|column| column.len() == candidates.len() && finite(column));
+        let length = if candidates.is_empty() { 0 } else { objectives };
+        let capped = *capacity == FRONT_CAPACITY && candidates.len() <= FRONT_CAPACITY;
+        let rows = candidates.iter().all(|candidate| candidate.len() == dimension);
+        capped && rows && columns && costs.len() == objectives && reference.len() == length && finite(reference)
     }
 
     pub(super) const fn len(&self) -> usize {
@@ -140,6 +155,3 @@ fn beyond(column: &[f64]) -> f64 {
 pub(super) fn dominates(a: &[f64], b: &[f64]) -> bool {
     a.iter().zip(b).all(|(a, b)| a <= b) && a.iter().zip(b).any(|(a, b)| a < b)
 }
-
-#[cfg(test)]
-mod tests;

@@ -12,6 +12,7 @@ mod run_csv;
 mod table;
 mod text;
 mod tuning;
+mod validation;
 mod warnings;
 
 pub use bound::Bound;
@@ -25,4 +26,5 @@ pub use raw::raw_rmse;
 pub use run_csv::{Covariance, RunTable};
 pub use table::TextTable;
 pub use tuning::{Certificate, Effort, LogFacts, Nothing, Polish, Scored, Tuning};
+pub use validation::{Part, Rows, Validation};
 pub use warnings::Warning;

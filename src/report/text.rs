@@ -2,7 +2,10 @@
 
 use std::fmt;
 
-use super::{Effort, Gain, Named, Scored, TextTable, Tuning, constraint, count, seconds, short, significant};
+use super::validation::improvement_text;
+use super::{
+    Effort, Gain, Named, Scored, TextTable, Tuning, Validation, constraint, count, seconds, short, significant,
+};
 use crate::evaluate::Device;
 use crate::study::StopReason;
 
@@ -13,7 +16,7 @@ impl fmt::Display for Tuning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}\n", self.effort)?;
         writeln!(f, "{}", self.parameter_table())?;
-        writeln!(f, "{}", self.objective_table())?;
+        self.fmt_objectives(f)?;
         if !self.constraints.is_empty() {
             writeln!(f, "{}", constraint::table(&self.constraints))?;
         }
@@ -25,7 +28,7 @@ impl fmt::Display for Tuning {
             Gain::Last => "gain of the last complete measurement",
         };
         writeln!(f, "Tuned filter (dt = {} s; K: {gain}):\n{}", short(self.matrices.dt, 6), self.matrices)?;
-        writeln!(f, "Consistency (in-sample): {}", self.consistency)?;
+        writeln!(f, "Consistency ({}): {}", self.consistency_on, self.consistency)?;
         writeln!(f, "{}", self.certificate_line())?;
         if let Some(line) = self.polish_line() {
             writeln!(f, "{line}")?;
@@ -87,6 +90,47 @@ impl Tuning {
                 let [baseline, tuned] = per_row;
                 table.push(["nll per measured row".to_owned(), baseline, tuned, String::new()]);
             }
+        }
+        table
+    }
+
+    fn fmt_objectives(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(validation) = &self.validation else { return writeln!(f, "{}", self.objective_table()) };
+        writeln!(f, "Validation: {validation}.")?;
+        writeln!(f, "{}", self.validation_table(validation))?;
+        let gap = validation.overfit_gap.iter().map(|(name, gap)| format!("{name} {}", improvement_text(name, *gap)));
+        let gap = gap.collect::<Vec<_>>().join("; ");
+        writeln!(f, "{}", validation.sentence())?;
+        writeln!(f, "Overfit gap (improvement on training rows less that on held-out rows): {gap}.\n")
+    }
+
+    /// Every objective on training and on held-out rows.
+    fn validation_table(&self, validation: &Validation) -> TextTable {
+        let mut table =
+            TextTable::new(["objective, f64", "rows", "baseline", "tuned", "improvement", "raw measurements"]);
+        let cell = |value: Option<f64>| value.map_or_else(|| "failed".to_owned(), |v| significant(v, DIGITS));
+        let of = |named: &Option<Named<f64>>, name: &str| named.as_ref().and_then(|n| n.get(name).copied());
+        let raw =
+            |named: &Named<f64>, name: &str| named.get(name).map_or_else(String::new, |v| significant(*v, DIGITS));
+        let better =
+            |named: &Named<Option<f64>>, name: &str| improvement_text(name, named.get(name).copied().flatten());
+        for (name, tuned) in self.objectives.iter() {
+            table.push([
+                name.to_owned(),
+                "training".to_owned(),
+                cell(self.effort.baseline.objective(name)),
+                significant(*tuned, DIGITS),
+                better(&validation.improvement_train, name),
+                raw(&self.raw_measurements, name),
+            ]);
+            table.push([
+                String::new(),
+                "held out".to_owned(),
+                cell(of(&validation.baseline, name)),
+                cell(of(&validation.winner, name)),
+                better(&validation.improvement_held_out, name),
+                raw(&validation.raw_measurements, name),
+            ]);
         }
         table
     }

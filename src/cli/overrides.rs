@@ -54,6 +54,33 @@ impl Override {
     }
 }
 
+impl Override {
+    /// `--constraint`, given once or several times.
+    pub(super) fn constraints(bounds: &[String]) -> Self {
+        let value: Array = bounds.iter().map(|bound| Value::from(bound.trim())).collect();
+        let flag = bounds.iter().map(|bound| format!("--constraint '{bound}'")).collect::<Vec<_>>().join(" ");
+        Self { path: &["tune", "constraints"], value: value.into(), flag }
+    }
+
+    /// `--pick`: a word, or `objective=weight` pairs.
+    pub(super) fn pick(text: &str) -> Self {
+        let flag = format!("--pick {text}");
+        let path = &["tune", "pick"];
+        if !text.contains('=') {
+            return Self { path, value: text.into(), flag };
+        }
+        let mut weights = InlineTable::new();
+        for pair in text.split(',') {
+            let (name, weight) = pair.split_once('=').unwrap_or((pair, ""));
+            // What is no number is refused where the problem is read, by the sentence it has there.
+            let weight = weight.trim().parse::<f64>().map_or_else(|_| Value::from(weight.trim()), Value::from);
+            weights.insert(name.trim(), weight);
+        }
+        let value = InlineTable::from_iter([("weights", Value::from(weights))]);
+        Self { path, value: value.into(), flag }
+    }
+}
+
 /// The problem with these keys replaced.
 pub(super) fn apply(problem: Problem, overrides: &[Override]) -> anyhow::Result<Problem> {
     if overrides.is_empty() {

@@ -2,6 +2,8 @@
 
 mod bound;
 mod consistency;
+mod constraint;
+mod front;
 mod matrices;
 mod named;
 mod number;
@@ -15,6 +17,8 @@ mod warnings;
 
 pub use bound::Bound;
 pub use consistency::{Consistency, Evidence, Finding, Nees, Verdict, Whiteness};
+pub use constraint::{ConstraintCheck, constraint_checks, unmet};
+pub use front::{FrontPoint, FrontSummary, front, write_front};
 pub use matrices::{Gain, Matrices, Matrix};
 pub use named::Named;
 pub use number::{count, exact, seconds, short, significant};

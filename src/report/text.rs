@@ -3,7 +3,9 @@
 use std::fmt;
 
 use super::validation::improvement_text;
-use super::{Effort, Gain, Named, Scored, TextTable, Tuning, Validation, count, seconds, short, significant};
+use super::{
+    Effort, Gain, Named, Scored, TextTable, Tuning, Validation, constraint, count, seconds, short, significant,
+};
 use crate::evaluate::Device;
 use crate::study::StopReason;
 
@@ -15,6 +17,12 @@ impl fmt::Display for Tuning {
         writeln!(f, "{}\n", self.effort)?;
         writeln!(f, "{}", self.parameter_table())?;
         self.fmt_objectives(f)?;
+        if !self.constraints.is_empty() {
+            writeln!(f, "{}", constraint::table(&self.constraints))?;
+        }
+        if let (Some(points), Some(summary)) = (&self.front, &self.front_summary) {
+            writeln!(f, "{}", summary.text(points))?;
+        }
         let gain = match self.matrices.gain {
             Gain::Steady => "steady gain",
             Gain::Last => "gain of the last complete measurement",
@@ -129,12 +137,14 @@ impl Tuning {
 
     fn certificate_line(&self) -> String {
         let certificate = &self.certificate;
-        let order = if certificate.order_held { "kept their order" } else { "changed their order" };
+        let gap = significant(certificate.largest_relative_gap, 2);
+        let (who, what) = match &self.front {
+            None => (format!("the {} best candidates", certificate.candidates), "their order"),
+            Some(_) => (format!("the {} candidates of its front", certificate.candidates), "their places"),
+        };
+        let kept = if certificate.order_held { "kept" } else { "changed" };
         format!(
-            "Certificate: the f64 reference differs from the search by at most {} (relative), and the {} best candidates \
-             {order}.",
-            significant(certificate.largest_relative_gap, 2),
-            certificate.candidates,
+            "Certificate: the f64 reference differs from the search by at most {gap} (relative), and {who} {kept} {what}.",
         )
     }
 

@@ -3,7 +3,10 @@
 use serde::Serialize;
 
 use super::validation::Trained;
-use super::{Bound, Consistency, Evidence, Matrices, Named, Rows, Validation, Warning, matrices, raw_rmse};
+use super::{
+    Bound, Consistency, ConstraintCheck, Evidence, FrontPoint, FrontSummary, Matrices, Named, Rows, Validation,
+    Warning, constraint_checks, front, matrices, raw_rmse,
+};
 use crate::data::{HeldOut, Log, Split};
 use crate::evaluate::Device;
 use crate::model::Problem;
@@ -77,8 +80,14 @@ pub struct Tuning {
     pub consistency_on: Rows,
     /// Search costs against the reference.
     pub certificate: Certificate,
-    /// The non-dominated candidates of a study of several objectives.
-    pub front: Option<Vec<Scored>>,
+    /// Constraints, held against the winner.
+    pub constraints: Vec<ConstraintCheck>,
+    /// Whether the winner meets all of them.
+    pub feasible: bool,
+    /// The non-dominated candidates of a study of several objectives, of which the winner is the recommended one.
+    pub front: Option<Vec<FrontPoint>>,
+    /// What that front offers.
+    pub front_summary: Option<FrontSummary>,
     /// The local search in f64 that ended the study.
     pub polish: Option<Polish>,
     /// The tuned filter.
@@ -100,7 +109,10 @@ pub struct Nothing {
     pub consistency: (),
     pub consistency_on: (),
     pub certificate: (),
+    pub constraints: (),
+    pub feasible: (),
     pub front: (),
+    pub front_summary: (),
     pub polish: (),
     pub matrices: (),
     #[serde(flatten)]
@@ -131,6 +143,8 @@ pub struct Certificate {
     pub candidates: usize,
     /// How many of them the reference could not run.
     pub refused: usize,
+    /// How many of them it finds infeasible or, of a front, dominated by another.
+    pub dropped: usize,
 }
 
 /// The local search that ended a study of one objective.
@@ -191,7 +205,10 @@ impl Effort {
             consistency: (),
             consistency_on: (),
             certificate: (),
+            constraints: (),
+            feasible: (),
             front: (),
+            front_summary: (),
             polish: (),
             matrices: (),
         }
@@ -231,7 +248,10 @@ impl Tuning {
             consistency: held_out.as_ref().unwrap_or(&evidence).judge(problem, &winner.candidate),
             consistency_on,
             certificate: Certificate::of(problem, &winner.certificate),
+            constraints: Vec::new(),
+            feasible: winner.violation <= 0.0,
             front: None,
+            front_summary: None,
             polish: winner.polish.as_ref().map(|polish| Polish::of(problem, polish)),
             matrices: Matrices::of(problem, log, &winner.candidate, last_gain),
             raw_measurements: raw.collect(),
@@ -240,6 +260,15 @@ impl Tuning {
         let found = Warning::of(&tuning);
         tuning.effort.warnings.extend(found.iter().map(ToString::to_string));
         Ok(tuning)
+    }
+
+    /// With what `outcome` has beyond its winner: the front, re-scored on `held_out` rows where there are any, and the
+    /// constraints.
+    #[must_use]
+    pub fn with_front(mut self, problem: &Problem, outcome: &Outcome, held_out: Option<&HeldOut>) -> Self {
+        (self.front, self.front_summary) = front(problem, outcome, held_out).unzip();
+        self.constraints = constraint_checks(problem, outcome);
+        self
     }
 }
 
@@ -252,6 +281,7 @@ impl Certificate {
             order_held: certificate.order_held,
             candidates: certificate.finalists,
             refused: certificate.refused,
+            dropped: certificate.dropped,
         }
     }
 }

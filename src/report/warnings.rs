@@ -69,6 +69,10 @@ fn on_held_out(validation: &Validation) -> Option<Warning> {
 /// Whether the first objective is below the baseline's, where that has one.
 fn gains(Tuning { effort, objectives, .. }: &Tuning) -> bool {
     let Some((name, tuned)) = objectives.iter().next() else { return true };
+    // Of several objectives the recommended member is a compromise; the report of the front says how it compares.
+    if objectives.iter().len() > 1 {
+        return true;
+    }
     let baseline = effort.baseline.objectives.as_ref().and_then(|o| o.get(name));
     baseline.is_none_or(|baseline| tuned < baseline)
 }

@@ -51,7 +51,8 @@ const EXIT_CODES: &str = "Exit codes: 0 done; 1 ran, but the result is not usabl
 
 #[derive(Debug, Subcommand)]
 enum Verb {
-    Tune(tune::Tune),
+    // Boxed, because it has many more flags than the others.
+    Tune(Box<tune::Tune>),
     Filter(filter::Filter),
     Init(init::Init),
     Tape(tape::Tape),

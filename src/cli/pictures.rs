@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::files::OutFolder;
-use crate::data::Log;
+use crate::data::{Log, Split};
 use crate::evaluate::{CpuEvaluator, CpuOptions, Precision};
 use crate::model::Problem;
 use crate::reference;
@@ -38,20 +38,21 @@ type Pictures = Vec<(&'static str, Figure)>;
 /// The pictures of a finished study, into a folder of the output folder.
 pub(super) fn write_tuning(
     folder: &OutFolder,
-    (problem, log): (&Problem, &Log),
+    (problem, split): (&Problem, &Split),
     outcome: &Outcome,
     winner: &Winner,
     whiteness: &[Whiteness],
     options: CpuOptions,
 ) -> anyhow::Result<()> {
     let mut pictures = vec![("convergence.svg", convergence(problem, &outcome.history))];
-    let mut evaluator = CpuEvaluator::new(problem, log, CpuOptions { precision: Precision::F64, ..options })?;
+    let mut evaluator = CpuEvaluator::new(problem, &split.train, CpuOptions { precision: Precision::F64, ..options })?;
     let [least, most] = CANDIDATES;
-    let evaluations = (LANDSCAPE / log.rows().max(1) as f64).clamp(least, most) as usize;
+    let evaluations = (LANDSCAPE / split.train.rows().max(1) as f64).clamp(least, most) as usize;
     let baseline = &outcome.baseline.candidate;
     let around = landscape(problem, &winner.candidate, baseline, evaluations, &mut evaluator);
     pictures.push(("landscape.svg", around));
-    pictures.extend(of_run(problem, log, &winner.candidate, whiteness)?);
+    let judged = split.held_out.as_ref().map_or(&split.train, |held| &held.log);
+    pictures.extend(of_run(problem, judged, &winner.candidate, whiteness)?);
     write(&folder.path().join(FOLDER), &pictures)
 }
 

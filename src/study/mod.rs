@@ -4,6 +4,7 @@ mod archive;
 mod checkpoint;
 mod coordinates;
 mod finish;
+mod front;
 mod record;
 mod search;
 mod snapshot;
@@ -17,15 +18,20 @@ pub use archive::{Archive, Scored};
 pub use checkpoint::{Checkpoint, CheckpointError, CheckpointFile, Identity, Source};
 pub use coordinates::Coordinates;
 pub use finish::{Certificate, Polish};
-pub use record::{FINALISTS, Generation, Observer};
+pub use front::{FRONT_CAPACITY, Front, FrontMember, Landmarks};
+pub use record::{FINALISTS, Generation, Observer, Reached};
 pub use snapshot::Snapshot;
 pub use stop::StopReason;
 
 use crate::evaluate::{Evaluation, Evaluator, Population};
 use crate::model::{Parameters, Problem, TuneSpec};
 use crate::optimize::{self, OptimizeError, Optimizer, RestoreError, Settings};
+use finish::{Bounds, Polished};
 use record::Record;
 use search::Search;
+
+/// Objectives of which a front is searched.
+pub const MAX_OBJECTIVES: usize = 4;
 
 /// What is searched, and how.
 #[derive(Debug, Clone, Copy)]
@@ -55,7 +61,9 @@ impl<'a> Study<'a> {
     }
 }
 
-/// f64 costs of a candidate by the reference filter, `None` where it fails. Called from several threads.
+/// f64 costs of a candidate by the reference filter, `None` where it fails: the objectives and, behind them, what the
+/// constraints bound ([`crate::reference::scores`]; without constraints [`crate::reference::costs`]). Called from several
+/// threads.
 pub type Oracle<'a> = dyn Fn(&[f64]) -> Option<Vec<f64>> + Sync + 'a;
 
 /// Who decides after the search.
@@ -73,6 +81,8 @@ pub struct Baseline {
     pub candidate: Vec<f64>,
     /// Objectives by the oracle; `None` where it fails.
     pub objectives: Option<Vec<f64>>,
+    /// What the constraints bound, by the oracle.
+    pub constraints: Option<Vec<f64>>,
 }
 
 /// What the search found.
@@ -82,6 +92,11 @@ pub struct Winner {
     pub candidate: Vec<f64>,
     /// Objectives by the oracle.
     pub objectives: Vec<f64>,
+    /// What the constraints bound, by the oracle.
+    pub constraints: Vec<f64>,
+    /// How far it is from satisfying the constraints, by the oracle: 0 = feasible. Above 0 only if nothing feasible was
+    /// found; then this is what violates least.
+    pub violation: f64,
     /// How far search and oracle agree.
     pub certificate: Certificate,
     /// The local search after it; `None` when off or interrupted.
@@ -95,8 +110,16 @@ pub struct Outcome {
     pub algorithm: &'static str,
     /// The user's own candidate.
     pub baseline: Baseline,
-    /// The best candidate; `None` if every one failed, in the search or by the oracle.
+    /// The best candidate, of a front the recommended member; `None` if every one failed, in the search or by the oracle.
     pub winner: Option<Winner>,
+    /// With several objectives, everything feasible that nothing else dominates by the oracle, best first objective first;
+    /// at most [`FRONT_CAPACITY`] members and the user's start.
+    pub front: Vec<FrontMember>,
+    /// Where the knee and the ends of the front are; `None` without a front.
+    pub landmarks: Option<Landmarks>,
+    /// The point that [`Generation::hypervolume`] is measured from; empty with one objective, and while nothing feasible
+    /// was found.
+    pub reference_point: Vec<f64>,
     /// One row a generation.
     pub history: Vec<Generation>,
     /// Generations run, with the initial one.
@@ -131,6 +154,28 @@ pub enum StudyError {
         evaluations: u64,
         /// Candidates of generation 0.
         population: usize,
+    },
+    /// More objectives than a front is found for.
+    #[error(
+        "{objectives} objectives: a front of at most {limit} is searched (keep those that matter most, and bound the \
+         others by constraints)"
+    )]
+    TooManyObjectives {
+        /// Objectives received.
+        objectives: usize,
+        /// Most that there may be.
+        limit: usize,
+    },
+    /// The oracle leaves out what the constraints bound.
+    #[error(
+        "the oracle returned {received} values for {expected} objectives and constraints: give it those of \
+         reference::scores"
+    )]
+    Oracle {
+        /// Objectives and constraints.
+        expected: usize,
+        /// Values received.
+        received: usize,
     },
     /// The optimiser refuses its saved state.
     #[error(transparent)]
@@ -236,23 +281,29 @@ pub fn run_task(
         return Err(StudyError::NothingSearched);
     }
     let coordinates = Coordinates::new(study.parameters, tune.include_start);
-    let mut record = Record::new();
+    let bounds = Bounds { objectives: evaluator.objectives(), constraints: &tune.constraints };
+    if bounds.objectives > MAX_OBJECTIVES {
+        return Err(StudyError::TooManyObjectives { objectives: bounds.objectives, limit: MAX_OBJECTIVES });
+    }
+    let baseline = baseline(study.parameters.baseline(), judge.oracle, bounds)?;
+    let mut record = Record::new(bounds.objectives);
     if let Some(from) = from {
-        from.check(optimizer.name(), study.parameters.dimension(), evaluator.objectives())?;
+        from.check(optimizer.name(), study.parameters.dimension(), bounds.objectives)?;
         optimizer.restore(&from.optimizer)?;
         record = Record::of(from);
     }
     let search = Search::new(tune, &coordinates, optimizer, evaluator, &mut record);
     let mut search = search.restored(from.map(|from| from.optimizer.as_slice()));
     let ended = search.run(observers, interrupt)?;
-    let candidate = study.parameters.baseline();
-    let baseline = Baseline { objectives: finish::ask_oracle(judge.oracle, &candidate), candidate };
-    let winner = decide(tune, &coordinates, &record, evaluator, judge, interrupt)?;
+    let Decision { winner, front, landmarks } = decide(tune, &coordinates, &record, evaluator, judge, interrupt)?;
     let stop = if interrupt.load(Ordering::Relaxed) { StopReason::Interrupted } else { ended };
     Ok(Outcome {
         algorithm: optimizer.name(),
         baseline,
         winner,
+        front,
+        landmarks,
+        reference_point: record.front.as_ref().map_or_else(Vec::new, |front| front.reference().to_vec()),
         generations: record.generations(),
         evaluations: record.evaluations,
         failed: record.failed,
@@ -273,8 +324,25 @@ fn evaluate(evaluator: &mut dyn Evaluator, candidates: &Population) -> Result<Ev
     }
 }
 
-/// The winner of the finalists, certified and polished. The user's start is always among the finalists if the search
-/// could score it, so that no winner is worse than the baseline.
+/// The user's own candidate by the oracle, which must give as many values as there are objectives and constraints.
+fn baseline(candidate: Vec<f64>, oracle: &Oracle<'_>, bounds: Bounds<'_>) -> Result<Baseline, StudyError> {
+    if let Some(values) = oracle(&candidate).filter(|values| values.len() != bounds.scorers()) {
+        return Err(StudyError::Oracle { expected: bounds.scorers(), received: values.len() });
+    }
+    let verdict = bounds.ask(oracle, &candidate);
+    let (objectives, constraints) = verdict.map(|v| (v.objectives, v.constraints)).unzip();
+    Ok(Baseline { candidate, objectives, constraints })
+}
+
+/// What the oracle made of a search.
+struct Decision {
+    winner: Option<Winner>,
+    front: Vec<FrontMember>,
+    landmarks: Option<Landmarks>,
+}
+
+/// The winner of the front or, where that is empty or there is one objective, of the finalists; certified. The user's
+/// start is always among them if the search could score it, so that no winner is worse than the baseline.
 fn decide(
     tune: &TuneSpec,
     coordinates: &Coordinates,
@@ -282,20 +350,50 @@ fn decide(
     evaluator: &mut dyn Evaluator,
     judge: Judge<'_>,
     interrupt: &AtomicBool,
-) -> Result<Option<Winner>, StudyError> {
-    let mut finalists = record.archive.members().to_vec();
-    finalists.extend(record.start.iter().filter(|start| !record.archive.members().contains(start)).cloned());
-    let Some((mut winner, certificate)) = finish::certify(&finalists, judge.oracle) else {
-        return Ok(None);
+) -> Result<Decision, StudyError> {
+    let with_start = |mut found: Vec<Scored>| {
+        let start = record.start.iter().filter(|start| !found.iter().any(|f| f.candidate == start.candidate));
+        let start: Vec<Scored> = start.cloned().collect();
+        found.extend(start);
+        found
     };
-    let polish = if tune.polish && !interrupt.load(Ordering::Relaxed) {
+    let bounds = Bounds { objectives: evaluator.objectives(), constraints: &tune.constraints };
+    if let Some(front) = &record.front
+        && let Some(certified) = front::certify(&with_start(front.members()), judge.oracle, bounds, &tune.pick)
+    {
+        return Ok(Decision::of(certified));
+    }
+    let finalists = with_start(record.archive.members().to_vec());
+    let Some((mut candidate, mut verdict, certificate)) = finish::certify(&finalists, judge.oracle, bounds) else {
+        return Ok(Decision { winner: None, front: Vec::new(), landmarks: None });
+    };
+    let polish = if tune.polish && bounds.objectives == 1 && !interrupt.load(Ordering::Relaxed) {
         let local: &mut dyn Evaluator = match judge.polisher {
             Some(polisher) => polisher,
             None => evaluator,
         };
-        Some(finish::polish(&mut winner, coordinates, &finalists, local, judge.oracle, interrupt)?)
+        let best = Polished { candidate: &mut candidate, verdict: &mut verdict };
+        Some(finish::polish(best, coordinates, &finalists, local, (judge.oracle, bounds), interrupt)?)
     } else {
         None
     };
-    Ok(Some(Winner { candidate: winner.candidate, objectives: winner.costs, certificate, polish }))
+    let finish::Verdict { objectives, constraints, violation } = verdict;
+    let winner = Winner { candidate, objectives, constraints, violation, certificate, polish };
+    Ok(Decision { winner: Some(winner), front: Vec::new(), landmarks: None })
+}
+
+impl Decision {
+    /// The recommended member of a front wins.
+    fn of(certified: front::Certified) -> Self {
+        let front::Certified { members, landmarks, certificate } = certified;
+        let winner = members.get(landmarks.recommended).map(|member| Winner {
+            candidate: member.candidate.clone(),
+            objectives: member.objectives.clone(),
+            constraints: member.constraints.clone(),
+            violation: 0.0,
+            certificate,
+            polish: None,
+        });
+        Self { winner, front: members, landmarks: Some(landmarks) }
+    }
 }

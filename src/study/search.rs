@@ -95,7 +95,7 @@ impl<'s> Search<'s> {
         let clock = Instant::now();
         let costs = super::evaluate(self.evaluator, &candidates)?;
         self.record.evaluate_s += clock.elapsed().as_secs_f64();
-        self.optimizer.tell(positions, &costs);
+        self.optimizer.tell(positions, &costs.penalised());
         if let Some(start) = self.coordinates.start().filter(|_| self.record.generations() == 0) {
             self.record.keep_start(start, &candidates, &costs);
         }

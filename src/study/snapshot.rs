@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::record::{FINALISTS, Record};
+use super::front::Front;
+use super::record::{FINALISTS, Reached, Record};
 use super::{Generation, Scored, StudyError};
 use crate::evaluate::Device;
 
@@ -23,8 +24,10 @@ pub struct Snapshot {
     pub history: Vec<Generation>,
     /// Generations since the last gain.
     pub stalled: usize,
-    /// The cost of that gain.
-    pub stall_cost: Option<f64>,
+    /// What was reached by that gain.
+    pub reached: Option<Reached>,
+    /// The front so far, with several objectives.
+    pub front: Option<Front>,
     /// Time inside the evaluator so far, in seconds.
     pub evaluate_s: f64,
     /// Time of the search so far, in seconds.
@@ -42,7 +45,8 @@ impl Snapshot {
             start: record.start.clone(),
             history: record.history.clone(),
             stalled: record.stalled,
-            stall_cost: record.stall_cost,
+            reached: record.reached,
+            front: record.front.clone(),
             evaluate_s: record.evaluate_s,
             wall_s: record.seconds(),
             device,
@@ -64,7 +68,7 @@ impl Snapshot {
     /// Whether it can be one of a search by this optimiser, over so many parameters and objectives.
     pub(super) fn check(&self, algorithm: &str, dimension: usize, objectives: usize) -> Result<(), StudyError> {
         let shaped = |s: &Scored| s.candidate.len() == dimension && s.costs.len() == objectives;
-        let finite = |s: &Scored| s.costs.iter().all(|x| x.is_finite());
+        let finite = |s: &Scored| s.costs.iter().all(|x| x.is_finite()) && s.violation >= 0.0;
         let numbered = self.history.iter().enumerate().all(|(i, row)| row.generation == i);
         let growing = self.history.windows(2).all(|rows| rows[0].evaluations <= rows[1].evaluations);
         let counted = self.failed() <= self.evaluations() && self.evaluations() < u64::MAX / 2;
@@ -74,6 +78,7 @@ impl Snapshot {
             (self.algorithm == algorithm, "its algorithm is another"),
             (scored().all(shaped), "its numbers of parameters and objectives are others"),
             (scored().all(finite) && self.archive.len() <= FINALISTS, "its best candidates cannot be"),
+            (Front::fits(self.front.as_ref(), dimension, objectives), "its front cannot be"),
             (!self.history.is_empty() && numbered && growing, "its history has gaps"),
             (counted && self.stalled <= self.history.len(), "its counts cannot be"),
             (times.iter().all(|t| (0.0..f64::INFINITY).contains(t)), "its times are no times"),

@@ -12,3 +12,4 @@ mod examples;
 mod filter;
 mod gpu;
 mod tune;
+mod validation;

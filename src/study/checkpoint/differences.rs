@@ -11,7 +11,9 @@ pub(super) fn between(saved: &str, here: &str) -> String {
     let (Ok(saved), Ok(here)) = (saved.parse::<Table>(), here.parse::<Table>()) else { return String::new() };
     let mut found = Vec::new();
     compare("", &saved, &here, &mut found);
-    found.retain(|(path, _)| !["tune.stop", "tune.polish", "data", "simulate"].iter().any(|p| path.starts_with(p)));
+    found.retain(|(path, _)| {
+        !["tune.stop", "tune.polish", "tune.pick", "data", "simulate"].iter().any(|p| path.starts_with(p))
+    });
     let more = found.len().saturating_sub(NAMED);
     let mut named: Vec<String> = found.into_iter().take(NAMED).map(|(_, said)| said).collect();
     if more > 0 {

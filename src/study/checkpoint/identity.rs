@@ -10,8 +10,8 @@ use crate::model::{Problem, TuneSpec};
 
 /// SHA-256 of whatever of a problem and a log the bits of a search depend on.
 ///
-/// Of the problem that is model, parameters, filter, algorithm, objectives, population, generations (they shape the
-/// phases of some algorithms), seed, and whether the start joins; not the limits that stop a search early, nor polish,
+/// Of the problem that is model, parameters, filter, algorithm, objectives, constraints, population, generations (they shape the
+/// phases of some algorithms), seed, and whether the start joins; not the limits that stop a search early, nor pick, polish,
 /// device or threads. Of the log it is every number that a filter sees.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Identity {
@@ -33,10 +33,10 @@ impl Identity {
 fn of_problem(problem: &Problem) -> [u8; 32] {
     // Nothing is left out unseen: a new field has to be put on one side or the other.
     let Problem { source: _, text: _, data: _, model, parameters, filter, tune, simulate: _ } = problem;
-    let TuneSpec { algorithm, objectives, population, generations, seed, include_start, .. } = tune;
-    let TuneSpec { evaluations: _, wall_time: _, stall: _, target: _, polish: _, .. } = tune;
+    let TuneSpec { algorithm, objectives, constraints, population, generations, seed, include_start, .. } = tune;
+    let TuneSpec { evaluations: _, wall_time: _, stall: _, target: _, polish: _, pick: _, .. } = tune;
     let mut sum = Sum(Sha256::new());
-    let search = (algorithm, objectives, population, generations, seed, include_start);
+    let search = (algorithm, objectives, constraints, population, generations, seed, include_start);
     // Hashing cannot fail.
     let _ = write!(sum, "{:?} {parameters:?} {filter:?} {search:?}", model.without_spans());
     sum.0.finalize().into()

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::data::simulate;
 use crate::evaluate::Device;
-use crate::study::{Generation, Observer as _, Scored};
+use crate::study::{Front, Generation, Observer as _, Reached, Scored};
 
 const TEXT: &str = r#"
 [data]
@@ -41,9 +41,12 @@ fn snapshot(generations: usize) -> Snapshot {
         median: None,
         spread: Some(f64::MIN_POSITIVE),
         failed: 1,
+        feasible: 3,
+        front: Some(1),
+        hypervolume: Some(1.0 / 3.0),
         seconds: 0.5,
     };
-    let scored = Scored { candidate: vec![f64::EPSILON, -0.0], costs: vec![0.1 + 0.2] };
+    let scored = Scored { candidate: vec![f64::EPSILON, -0.0], costs: vec![0.1 + 0.2], violation: 0.0 };
     Snapshot {
         algorithm: "pso".to_owned(),
         optimizer: vec![1, 2, 3],
@@ -51,7 +54,8 @@ fn snapshot(generations: usize) -> Snapshot {
         start: Some(scored),
         history: (0..generations).map(row).collect(),
         stalled: 1,
-        stall_cost: None,
+        reached: Some(Reached { violation: 0.0, cost: -1.0 / 3.0 }),
+        front: Some(Front::new(2, 128)),
         evaluate_s: 0.25,
         wall_s: 0.5,
         device: Device { backend: "cpu".to_owned(), adapter: "a".to_owned(), precision: "f64".to_owned() },

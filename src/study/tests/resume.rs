@@ -107,7 +107,9 @@ fn a_state_of_another_search_is_refused() {
     let cases: [(&str, &dyn Fn(&mut Snapshot)); 9] = [
         ("its algorithm is another", &|s| s.algorithm = "pio".to_owned()),
         ("numbers of parameters and objectives", &|s| s.archive[0].costs.clear()),
-        ("numbers of parameters and objectives", &|s| s.start = Some(Scored { candidate: vec![], costs: vec![1.0] })),
+        ("numbers of parameters and objectives", &|s| {
+            s.start = Some(Scored { candidate: vec![], costs: vec![1.0], violation: 0.0 })
+        }),
         ("its best candidates cannot be", &|s| s.archive[1].costs[0] = f64::NAN),
         ("its history has gaps", &|s| s.history.clear()),
         ("its history has gaps", &|s| s.history[1].generation = 7),

@@ -16,6 +16,7 @@ mod options;
 mod overrides;
 mod paths;
 mod progress;
+mod reproduce;
 mod results;
 #[cfg(feature = "gpu")]
 mod shader;
@@ -56,6 +57,7 @@ enum Verb {
     Simulate(simulate::Simulate),
     Evaluate(evaluate::Evaluate),
     Bench(bench::Bench),
+    Reproduce(reproduce::Reproduce),
     #[cfg(feature = "gpu")]
     Devices(devices::Devices),
     #[cfg(feature = "gpu")]
@@ -112,6 +114,7 @@ impl Verb {
             Self::Simulate(verb) => verb.run(console),
             Self::Evaluate(verb) => verb.run(console),
             Self::Bench(verb) => verb.run(console),
+            Self::Reproduce(verb) => verb.run(console),
             #[cfg(feature = "gpu")]
             Self::Devices(verb) => verb.run(console),
             #[cfg(feature = "gpu")]

@@ -10,4 +10,5 @@ mod evaluate;
 mod examples;
 mod filter;
 mod gpu;
+mod reproduce;
 mod tune;

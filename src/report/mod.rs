@@ -2,6 +2,8 @@
 
 mod bound;
 mod consistency;
+#[cfg(feature = "figures")]
+pub mod figures;
 mod matrices;
 mod named;
 mod number;

@@ -2,6 +2,7 @@
 
 mod local;
 mod refuelling;
+mod saved;
 mod steps;
 
 use super::*;
@@ -167,7 +168,7 @@ fn wrong_use_says_what_to_do() {
     let message = |name, space: &Space, settings| build(name, space, &settings).err().expect("an error").to_string();
     assert_eq!(
         message("psso", &space, settings(9, 1, 1)),
-        "unknown algorithm \"psso\" (did you mean \"pso\"?): expected one of pso, pso-inertia, pio, pio-printed, pio+, random"
+        "unknown algorithm \"psso\" (did you mean \"pso\"?): expected one of pso, pso-inertia, pio, pio-printed, pio+, nsga2, nsga2-study, random"
     );
     assert!(
         message("simulated-annealing", &space, settings(9, 1, 1))
@@ -178,7 +179,16 @@ fn wrong_use_says_what_to_do() {
         "algorithm \"pio\" needs a population of at least 2, received 1: its landmark phase halves the flock"
     );
     let two = Settings { objectives: 2, ..settings(9, 1, 1) };
-    assert!(message("pso", &space, two).starts_with("algorithm \"pso\" minimises one objective, received 2: keep one"));
+    assert_eq!(
+        message("pso", &space, two),
+        "algorithm \"pso\" minimises one objective, received 2: keep 1 in [tune] objectives, or set [tune] algorithm = \
+         \"nsga2\", which finds a Pareto front of up to 4"
+    );
+    let five = Settings { objectives: 5, ..settings(9, 1, 1) };
+    assert_eq!(
+        message("nsga2", &space, five),
+        "algorithm \"nsga2\" minimises at most 4 objectives, received 5: keep 4 in [tune] objectives"
+    );
     for (lower, init) in [(2.0, [0.0, 1.0]), (f64::NAN, [0.0, 1.0]), (0.0, [1.0, 0.0]), (0.0, [0.0, f64::INFINITY])] {
         let broken = Space { lower: vec![lower], upper: vec![1.0], init: vec![init], seeds: Vec::new() };
         assert!(message("pso", &broken, settings(9, 1, 1)).starts_with("search coordinate 0: "), "{broken:?}");

@@ -18,6 +18,9 @@ use crate::evaluate::BuildError;
 use crate::model::ProblemError;
 use crate::optimize::OptimizeError;
 use crate::optimize::random::{Purpose, Stream};
+use crate::reference::Failure;
+#[cfg(feature = "figures")]
+use crate::report::figures::FigureError;
 use crate::study::StudyError;
 
 pub use reproduction::{Figure, Reproduction};
@@ -99,6 +102,20 @@ pub enum ReproduceError {
         /// Which data set, from 0.
         data_set: u64,
     },
+    /// The reference filter failed where a search had succeeded.
+    #[error("{what} of data set {data_set}: {failure}")]
+    Filter {
+        /// Which filter.
+        what: String,
+        /// Which data set, from 0.
+        data_set: u64,
+        /// Where and why.
+        failure: Failure,
+    },
+    /// A picture could not be drawn.
+    #[cfg(feature = "figures")]
+    #[error(transparent)]
+    Figure(#[from] FigureError),
     /// The threads could not be started.
     #[error("cannot start {threads} threads: {reason} (give fewer)")]
     Threads {

@@ -69,7 +69,7 @@ impl Reproduction {
             table.rows.push(vec![
                 Cell::text(&target.name),
                 Cell::text(target.required.to_string()),
-                Cell::Number(target.measured, 5),
+                measured(target.measured),
                 Cell::text(if target.pass { "yes" } else { "NO" }),
             ]);
         }
@@ -120,6 +120,14 @@ impl Reproduction {
     fn lists(&self) -> [(&'static str, &[String]); 2] {
         [("Found, not gated", &self.findings), ("Readings: what the paper leaves open", &self.readings)]
     }
+}
+
+/// A count without decimals, anything else with five digits.
+fn measured(value: f64) -> Cell {
+    /// Whole numbers up to here are counts.
+    const COUNTS: f64 = 1e9;
+    let whole = value.fract().abs() <= 0.0 && value.abs() < COUNTS;
+    if whole { Cell::text(format!("{value:.0}")) } else { Cell::Number(value, 5) }
 }
 
 impl fmt::Display for Reproduction {
@@ -194,7 +202,7 @@ mod tests {
         assert!(passed.passes() && !missed.passes(), "the limit is 2");
         assert!(passed.to_string().ends_with("All 1 targets are reached.\n"), "{passed}");
         assert!(missed.to_string().ends_with("1 of 1 targets are MISSED.\n"), "{missed}");
-        assert!(missed.markdown(&[]).contains("| J | <= 2 | 3.0000 | NO |"), "{}", missed.markdown(&[]));
+        assert!(missed.markdown(&[]).contains("| J | <= 2 | 3 | NO |"), "{}", missed.markdown(&[]));
         let json = serde_json::to_value(&missed).expect("a report");
         assert_eq!((&json["name"], &json["quick"], &json["pass"]), (&"made-up".into(), &true.into(), &false.into()));
         assert_eq!(json["targets"][0]["required"], "<= 2");

@@ -6,6 +6,12 @@ use serde::{Serialize, Serializer};
 
 use crate::report::short;
 
+/// A limit as it was set.
+fn limit(value: f64) -> String {
+    let text = short(value, 5);
+    if text.contains('e') { format!("{value:e}") } else { text }
+}
+
 /// The values that pass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Required {
@@ -50,10 +56,10 @@ impl Required {
 impl fmt::Display for Required {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Within(low, high) => write!(f, "{} to {}", short(*low, 4), short(*high, 4)),
-            Self::AtLeast(limit) => write!(f, ">= {}", short(*limit, 4)),
-            Self::Above(limit) => write!(f, "> {}", short(*limit, 4)),
-            Self::AtMost(limit) => write!(f, "<= {}", short(*limit, 4)),
+            Self::Within(low, high) => write!(f, "{} to {}", limit(*low), limit(*high)),
+            Self::AtLeast(least) => write!(f, ">= {}", limit(*least)),
+            Self::Above(least) => write!(f, "> {}", limit(*least)),
+            Self::AtMost(most) => write!(f, "<= {}", limit(*most)),
             Self::Exactly(count) => write!(f, "= {count}"),
         }
     }

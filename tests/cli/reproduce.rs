@@ -16,7 +16,9 @@ fn an_unknown_study_is_refused_with_the_nearest() {
 #[test]
 fn no_study_and_bad_flags_are_wrong_use() {
     let folder = Folder::new();
-    for arguments in [&["reproduce"][..], &["reproduce", "kf-pio", "--threads", "0"], &["reproduce", "kf-pio", "--seed", "-1"]] {
+    for arguments in
+        [&["reproduce"][..], &["reproduce", "kf-pio", "--threads", "0"], &["reproduce", "kf-pio", "--seed", "-1"]]
+    {
         assert_eq!(folder.run(arguments).code, 2, "{arguments:?}");
     }
 }

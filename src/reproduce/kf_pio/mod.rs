@@ -3,6 +3,8 @@
 //! The receiver of an aerial refuelling tracks a tanker whose moves it knows and whose position it measures. J is the
 //! distance between estimate and truth summed over the track, and R = M M' is searched.
 
+#[cfg(feature = "figures")]
+mod figures;
 mod findings;
 mod optimum;
 mod oracle;
@@ -81,7 +83,7 @@ impl Plan {
         (self.data_sets < Self::FULL.data_sets).then(|| {
             format!(
                 "{} data sets in place of {}, {} untuned tracks in place of {}, {} random M in place of {}; intervals \
-                 are wider by what the smaller sample adds to their sampling error, and counts ask for all but one.",
+                 are as wide as the smaller sample needs, and counts ask for all but one.",
                 self.data_sets,
                 Self::FULL.data_sets,
                 self.untuned,
@@ -145,13 +147,20 @@ struct Results {
 fn run(options: &Options, progress: &dyn Progress) -> Result<Reproduction, ReproduceError> {
     let clock = Instant::now();
     let plan = if options.quick { Plan::QUICK } else { Plan::FULL };
-    let results = Results::compute(plan, options.seed, progress)?;
-    Ok(results.report(clock))
+    let bench = Bench::new()?;
+    let results = Results::compute(&bench, plan, options.seed, progress)?;
+    let mut report = results.report();
+    #[cfg(feature = "figures")]
+    if let Some(shown) = results.shown(&bench)? {
+        report.figures = shown.figures()?;
+        report.data.push(shown.table());
+    }
+    report.wall_s = clock.elapsed().as_secs_f64();
+    Ok(report)
 }
 
 impl Results {
-    fn compute(plan: Plan, seed: u64, progress: &dyn Progress) -> Result<Self, ReproduceError> {
-        let bench = Bench::new()?;
+    fn compute(bench: &Bench, plan: Plan, seed: u64, progress: &dyn Progress) -> Result<Self, ReproduceError> {
         progress.begin(usize::try_from(plan.data_sets).unwrap_or(usize::MAX));
         let one = |index| {
             let found = bench.data_set(&plan, seed, index);
@@ -165,7 +174,7 @@ impl Results {
         Ok(Self { device: bench.device(seed)?, plan, seed, untuned, oracle_gap, data_sets })
     }
 
-    fn report(&self, clock: Instant) -> Reproduction {
+    fn report(&self) -> Reproduction {
         Reproduction {
             name: STUDY.name,
             summary:
@@ -183,7 +192,7 @@ impl Results {
             data: self.data(),
             figures: Vec::new(),
             device: self.device.clone(),
-            wall_s: clock.elapsed().as_secs_f64(),
+            wall_s: 0.0,
         }
     }
 

@@ -31,7 +31,8 @@ impl Results {
             "search s",
         ];
         let title = format!(
-            "J in-sample: means over {} data sets (paper: one); iterations: median, to within 1e-3 of the final J",
+            "J in-sample: means over {} data sets (paper: one); 10 % and 90 %: quantiles of J/KF over \
+             data sets; iterations: median, to within 1e-3 of the final J",
             self.data_sets.len()
         );
         let mut table = Table::new("summary", title, &columns);

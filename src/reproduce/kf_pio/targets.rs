@@ -7,8 +7,17 @@ use super::{DataSet, Plan, Results, SWEEP};
 /// Standard deviation of J at R = I over tracks.
 const UNTUNED_SPREAD: f64 = 6.04;
 
-/// Standard error of the median PIO/PSO over 30 data sets, by r; the smaller r have none worth naming.
-const MEDIAN_ERROR: [(f64, f64); 3] = [(0.2, 0.03), (0.1, 0.015), (0.05, 0.008)];
+/// What the median PIO/PSO must be at r = 0.2, 0.1, 0.05 and below: in the full study, and in a smaller one.
+///
+/// The latter are the 99 % intervals of a median over ten data sets, by resampling the 180 of seeds 1 to 6, where these
+/// are wider. (Over thirty data sets the standard error is 0.037 at r = 0.2, 0.017 at 0.1 and 0.004 at 0.05; so of seeds
+/// taken at random about one in fifteen would miss the upper limit at 0.1.)
+const MEDIANS: [(f64, Required, Required); 4] = [
+    (0.2, Required::Within(1.08, 1.35), Required::Within(1.08, 1.46)),
+    (0.1, Required::Within(1.02, 1.10), Required::Within(1.02, 1.18)),
+    (0.05, Required::AtMost(1.02), Required::AtMost(1.04)),
+    (0.0, Required::AtMost(1.003), Required::AtMost(1.003)),
+];
 
 /// Largest J within half a per cent of the independent optimum.
 const NEAR: f64 = 1.005;
@@ -45,11 +54,14 @@ impl Results {
         ]
     }
 
+    const fn is_full(&self) -> bool {
+        self.plan.data_sets >= Plan::FULL.data_sets
+    }
+
     /// The number of data sets that must agree: `of_thirty` of the full study, all but one of a smaller one.
     fn required_count(&self, of_thirty: u64) -> Required {
         let all = self.data_sets.len() as f64;
-        let full = self.plan.data_sets == Plan::FULL.data_sets;
-        Required::AtLeast(if full { of_thirty as f64 } else { all - 1.0 })
+        Required::AtLeast(if self.is_full() { of_thirty as f64 } else { all - 1.0 })
     }
 
     fn order_target(&self) -> Target {
@@ -60,16 +72,8 @@ impl Results {
 
     fn sweep_targets(&self) -> Vec<Target> {
         let required = |r: f64| {
-            let error = MEDIAN_ERROR.iter().find(|(of, _)| of.total_cmp(&r).is_eq()).map_or(0.0, |(_, error)| *error);
-            // A median's error falls with the root of the sample.
-            let growth = (Plan::FULL.data_sets as f64 / self.plan.data_sets as f64).sqrt().max(1.0) - 1.0;
-            let limits = match r {
-                0.2 => Required::Within(1.08, 1.35),
-                0.1 => Required::Within(1.02, 1.10),
-                0.05 => Required::AtMost(1.02),
-                _ => Required::AtMost(1.003),
-            };
-            limits.widened(2.0 * error * growth)
+            let row = MEDIANS.iter().find(|(from, ..)| r >= *from).unwrap_or(&MEDIANS[MEDIANS.len() - 1]);
+            if self.is_full() { row.1 } else { row.2 }
         };
         let published = (0.2, median(&self.ratios(|set| set.pio.j, |set| set.pso.j)));
         let swept =

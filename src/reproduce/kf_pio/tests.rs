@@ -5,15 +5,19 @@ use super::*;
 
 const TINY: Plan = Plan { data_sets: 3, untuned: 40, matrices: 20, local_searches: 6, fresh: 4, ..Plan::FULL };
 
+fn bench() -> Bench {
+    Bench::new().unwrap()
+}
+
 fn missed(plan: Plan) -> Vec<String> {
-    let results = Results::compute(plan, 1, &Silent).unwrap();
+    let results = Results::compute(&bench(), plan, 1, &Silent).unwrap();
     results.targets().into_iter().filter(|target| !target.pass).map(|target| target.name).collect()
 }
 
 #[test]
 fn tiny_study_reaches_its_targets_and_reports() {
-    let results = Results::compute(TINY, 1, &Silent).unwrap();
-    let report = results.report(Instant::now());
+    let results = Results::compute(&bench(), TINY, 1, &Silent).unwrap();
+    let report = results.report();
     assert!(report.passes(), "{report}");
     assert!(report.reduced.as_deref().is_some_and(|note| note.starts_with("3 data sets in place of 30")), "{report}");
     for table in std::iter::once(&report.table).chain(&report.tables).chain(&report.data) {
@@ -42,7 +46,19 @@ fn results_do_not_depend_on_the_number_of_threads() {
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let plan = Plan { data_sets: 2, ..TINY };
-        pool.install(|| Results::compute(plan, 3, &Silent).unwrap().targets())
+        pool.install(|| Results::compute(&bench(), plan, 3, &Silent).unwrap().targets())
     };
     assert_eq!(on(1), on(2));
+}
+
+#[cfg(feature = "figures")]
+#[test]
+fn figures_show_the_three_filters_and_the_convergence() {
+    let plan = Plan { data_sets: 1, untuned: 1, matrices: 1, ..TINY };
+    let results = Results::compute(&bench(), plan, 1, &Silent).unwrap();
+    let shown = results.shown(&bench()).unwrap().unwrap();
+    let names: Vec<String> = shown.figures().unwrap().into_iter().map(|figure| figure.name).collect();
+    assert_eq!(names, ["fig5-kf", "fig6-kf-pio", "fig7-kf-pso", "fig8-convergence"]);
+    let table = shown.table();
+    assert!(table.rows.len() == scenario::ROWS && table.rows.iter().all(|row| row.len() == table.columns.len()));
 }

@@ -15,6 +15,7 @@ mod load;
 mod options;
 mod overrides;
 mod paths;
+mod pictures;
 mod progress;
 mod reproduce;
 mod results;

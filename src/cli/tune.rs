@@ -12,7 +12,7 @@ use super::load::{self, Loaded};
 use super::options::Compute;
 use super::overrides::{self, Override};
 use super::progress::Progress;
-use super::{Ending, interrupt, results};
+use super::{Ending, interrupt, pictures, results};
 use crate::data::Log;
 use crate::evaluate::{CpuEvaluator, CpuOptions, Evaluator, Precision};
 use crate::model::{Problem, TuneSpec};
@@ -49,8 +49,8 @@ pub(super) struct Tune {
     #[command(flatten)]
     compute: Compute,
 
-    /// Folder for result.json, tuned.toml (a problem file ready to run) and history.csv (default: none is written); it
-    /// is made if need be, and tried before the search starts so that no result is lost.
+    /// Folder for result.json, tuned.toml (a problem file ready to run), history.csv and figures/ (pictures of the search
+    /// and of the tuned filter as SVG) (default: none is written); it is made if need be, and tried before the search starts so that no result is lost.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
@@ -122,6 +122,8 @@ impl Tune {
         if let Some(folder) = &folder {
             results::write(folder, &tuning, &outcome.history)?;
             results::write_problem(folder, &problem, &winner.candidate, &origin)?;
+            let whiteness = &tuning.consistency.whiteness;
+            pictures::write_tuning(folder, (&problem, &log), &outcome, winner, whiteness, self.compute.cpu())?;
         }
         if self.json {
             files::print_json(&tuning)?;

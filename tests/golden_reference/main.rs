@@ -4,8 +4,10 @@
 
 mod diffuse;
 mod examples;
+mod joint;
 mod joint_density;
 mod rules;
 mod simulated;
+mod smoother;
 mod support;
 mod values;

@@ -14,6 +14,7 @@ pub struct Axis {
     pub(super) unit: Option<String>,
     pub(super) log: bool,
     pub(super) whole: bool,
+    pub(super) labels: Vec<String>,
     range: Option<[f64; 2]>,
     include: Vec<f64>,
 }
@@ -22,7 +23,8 @@ impl Axis {
     /// A linear axis without unit that shows all of its data.
     #[must_use]
     pub fn new(name: impl Into<String>) -> Self {
-        Self { name: name.into(), unit: None, log: false, whole: false, range: None, include: Vec::new() }
+        let (name, labels, include) = (name.into(), Vec::new(), Vec::new());
+        Self { name, unit: None, log: false, whole: false, labels, range: None, include }
     }
 
     /// With a unit.
@@ -30,6 +32,21 @@ impl Axis {
     pub fn unit(mut self, unit: impl Into<String>) -> Self {
         self.unit = Some(unit.into());
         self
+    }
+
+    /// Logarithmic where `log`; see [`Self::log`].
+    #[must_use]
+    pub const fn log_if(mut self, log: bool) -> Self {
+        self.log = log;
+        self
+    }
+
+    /// Names in place of numbers at 0, 1, 2, ...; for horizontal axes.
+    #[must_use]
+    pub fn labels(mut self, labels: impl IntoIterator<Item = String>) -> Self {
+        self.labels = labels.into_iter().collect();
+        let last = self.labels.len() as f64 - 0.5;
+        if last > 0.0 { self.range(-0.5, last) } else { self }
     }
 
     /// Logarithmic; values that are not positive are gaps.

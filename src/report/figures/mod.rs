@@ -23,10 +23,18 @@
 //! before it is placed, which no plotting crate's SVG backend has.
 
 mod axis;
+mod contour;
+mod convergence;
+mod envelope;
+mod front;
+mod histogram;
+mod landscape;
 mod layout;
 mod legend;
 mod marks;
 mod panel;
+mod run_pictures;
+mod run_record;
 mod style;
 mod svg;
 #[cfg(test)]
@@ -36,7 +44,13 @@ mod thin;
 mod ticks;
 
 pub use axis::Axis;
+pub use contour::Grid;
+pub use convergence::{convergence, hypervolume};
+pub use front::FrontPicture;
+pub use landscape::landscape;
 pub use panel::Panel;
+pub use run_pictures::autocorrelation;
+pub use run_record::RunRecord;
 pub use style::{Colour, Dash, Marker, Stroke};
 
 /// A picture: a title over panels.

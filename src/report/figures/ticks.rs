@@ -20,6 +20,9 @@ pub(super) struct Ticks {
 impl Ticks {
     /// For the horizontal axis: as many as have room side by side in `length` \[px\].
     pub(super) fn along(axis: &Axis, scale: Scale, length: f64) -> Self {
+        if !axis.labels.is_empty() {
+            return Self::named(axis, scale, length);
+        }
         let mut ticks = Self::at_most(axis, scale, 9);
         for most in (2..9).rev() {
             if ticks.have_room(length) {
@@ -31,6 +34,14 @@ impl Ticks {
             ticks.major.truncate(1);
         }
         ticks
+    }
+
+    /// At 0, 1, 2, ... with the labels that the axis was given, shortened where they would touch.
+    fn named(axis: &Axis, scale: Scale, length: f64) -> Self {
+        let room = (length / axis.labels.len() as f64 - 10.0).min(160.0);
+        let tick = |(i, label): (usize, &String)| Some((scale.share(i as f64)?, text::fitted(label, LABEL, room)));
+        let major = axis.labels.iter().enumerate().filter_map(tick).collect();
+        Self { major, minor: Vec::new(), name: named(axis, 0.0, 0) }
     }
 
     /// For the vertical axis of a height \[px\].
@@ -157,7 +168,7 @@ fn power(k: i32) -> String {
 /// m 10^k.
 fn plain(k: i32, m: i32) -> String {
     match k {
-        0..=4 => format!("{m}{}", "0".repeat(usize::try_from(k).unwrap_or(0))),
+        0..=3 => format!("{m}{}", "0".repeat(usize::try_from(k).unwrap_or(0))),
         -3..=-1 => format!("0.{}{m}", "0".repeat(usize::try_from(-k - 1).unwrap_or(0))),
         _ => format!("{m}e{k}"),
     }

@@ -18,6 +18,7 @@ mod overrides;
 mod paths;
 mod pictures;
 mod progress;
+mod reproduce;
 mod results;
 #[cfg(feature = "gpu")]
 mod shader;
@@ -59,6 +60,7 @@ enum Verb {
     Simulate(simulate::Simulate),
     Evaluate(evaluate::Evaluate),
     Bench(bench::Bench),
+    Reproduce(reproduce::Reproduce),
     #[cfg(feature = "gpu")]
     Devices(devices::Devices),
     #[cfg(feature = "gpu")]
@@ -115,6 +117,7 @@ impl Verb {
             Self::Simulate(verb) => verb.run(console),
             Self::Evaluate(verb) => verb.run(console),
             Self::Bench(verb) => verb.run(console),
+            Self::Reproduce(verb) => verb.run(console),
             #[cfg(feature = "gpu")]
             Self::Devices(verb) => verb.run(console),
             #[cfg(feature = "gpu")]

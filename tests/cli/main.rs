@@ -11,5 +11,6 @@ mod evaluate;
 mod examples;
 mod filter;
 mod gpu;
+mod reproduce;
 mod tune;
 mod validation;

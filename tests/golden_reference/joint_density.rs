@@ -3,11 +3,10 @@
 
 use std::f64::consts::TAU;
 
-use kfgpu::data::{Log, Split, Table, Trajectory};
-use kfgpu::model::{First, SplitBy, ValidateSpec};
+use kfgpu::data::{Log, Split};
+use kfgpu::model::{SplitBy, ValidateSpec};
 use kfgpu::objective::{Kind, Objective};
 use kfgpu::reference::costs_held_out;
-use nalgebra::{DMatrix, DVector};
 
 use super::joint::{Draws, Joint, draw_log, model};
 use super::support::{Linear, cost};

@@ -263,7 +263,7 @@ impl Tune {
         let study = Study::of(problem);
         let outcome = match resumed.map(Resumed::snapshot) {
             Some(from) => {
-                evaluator.say_if_not(&from.device);
+                evaluator.say_if_moved(&from.device);
                 study::resume(&study, from, &mut evaluator, judge, &mut observers, &interrupt)?
             }
             None => study::run(&study, &mut evaluator, judge, &mut observers, &interrupt)?,

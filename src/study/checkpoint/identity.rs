@@ -33,8 +33,11 @@ impl Identity {
 fn of_problem(problem: &Problem) -> [u8; 32] {
     // Nothing is left out unseen: a new field has to be put on one side or the other.
     let Problem { source: _, text: _, data: _, model, parameters, filter, tune, simulate: _ } = problem;
-    let TuneSpec { algorithm, objectives, constraints, population, generations, seed, include_start, .. } = tune;
-    let TuneSpec { evaluations: _, wall_time: _, stall: _, target: _, polish: _, pick: _, .. } = tune;
+    #[rustfmt::skip]
+    let TuneSpec {
+        algorithm, objectives, constraints, population, generations, seed, include_start,
+        evaluations: _, wall_time: _, stall: _, target: _, polish: _, pick: _,
+    } = tune;
     let mut sum = Sum(Sha256::new());
     let search = (algorithm, objectives, constraints, population, generations, seed, include_start);
     // Hashing cannot fail.

@@ -9,6 +9,7 @@ use super::{Named, TextTable, exact, short, significant};
 use crate::data::HeldOut;
 use crate::model::{Pick, Problem};
 use crate::objective::Objective;
+use crate::optimize::pareto::dominates;
 use crate::reference;
 use crate::study::{FrontMember, Landmarks, Outcome};
 
@@ -109,10 +110,6 @@ fn summary(problem: &Problem, outcome: &Outcome, landmarks: &Landmarks, names: &
         hypervolume: outcome.history.last().and_then(|row| row.hypervolume),
         reference_point: named(outcome.reference_point.clone()),
     })
-}
-
-fn dominates(a: &[f64], b: &[f64]) -> bool {
-    a.iter().zip(b).all(|(a, b)| a <= b) && a != b
 }
 
 /// The whole front as CSV: parameters, objectives, `held_out.` objectives where they are, and marks.

@@ -6,6 +6,7 @@ use super::*;
 use crate::evaluate::Status;
 use crate::model::Pick;
 use crate::objective::{Constraint, Kind, Objective, Relation};
+use crate::optimize::pareto::dominates;
 use crate::optimize::random::{Purpose, Stream};
 use crate::study::finish::Bounds;
 

@@ -207,18 +207,24 @@ impl Tune {
             }
             results::write_problem(folder, &problem, &winner.candidate, &origin)?;
         }
+        self.show(&tuning, &tuning.effort.warnings[said..], console)?;
+        let feasible = unmet(&tuning.constraints).map(|sentence| console::error(&anyhow!(sentence))).is_none();
+        Ok(match outcome.stop {
+            StopReason::Interrupted => Ending::Interrupted,
+            _ if feasible => Ending::Done,
+            _ => Ending::NotUsable,
+        })
+    }
+
+    /// The result on stdout, and what has not been said of it yet.
+    fn show(&self, tuning: &Tuning, unsaid: &[String], console: Console) -> anyhow::Result<()> {
         if self.json {
-            files::print_json(&tuning)?;
+            files::print_json(tuning)?;
         } else {
             files::print(&tuning.to_string())?;
         }
-        tuning.effort.warnings[said..].iter().for_each(|warning| console.warn(warning));
-        let interrupted = outcome.stop == StopReason::Interrupted;
-        if let Some(sentence) = unmet(&tuning.constraints) {
-            console::error(&anyhow!(sentence));
-            return Ok(if interrupted { Ending::Interrupted } else { Ending::NotUsable });
-        }
-        Ok(if interrupted { Ending::Interrupted } else { Ending::Done })
+        unsaid.iter().for_each(|warning| console.warn(warning));
+        Ok(())
     }
 
     /// The problem with its flags, and its log; those of the checkpoint where no others are given.

@@ -16,7 +16,9 @@ mod load;
 mod options;
 mod overrides;
 mod paths;
+mod pictures;
 mod progress;
+mod reproduce;
 mod results;
 #[cfg(feature = "gpu")]
 mod shader;
@@ -50,6 +52,7 @@ const EXIT_CODES: &str = "Exit codes: 0 done; 1 ran, but the result is not usabl
 
 #[derive(Debug, Subcommand)]
 enum Verb {
+    // Boxed, because it has many more flags than the others.
     Tune(Box<tune::Tune>),
     Filter(filter::Filter),
     Init(init::Init),
@@ -57,6 +60,7 @@ enum Verb {
     Simulate(simulate::Simulate),
     Evaluate(evaluate::Evaluate),
     Bench(bench::Bench),
+    Reproduce(reproduce::Reproduce),
     #[cfg(feature = "gpu")]
     Devices(devices::Devices),
     #[cfg(feature = "gpu")]
@@ -113,6 +117,7 @@ impl Verb {
             Self::Simulate(verb) => verb.run(console),
             Self::Evaluate(verb) => verb.run(console),
             Self::Bench(verb) => verb.run(console),
+            Self::Reproduce(verb) => verb.run(console),
             #[cfg(feature = "gpu")]
             Self::Devices(verb) => verb.run(console),
             #[cfg(feature = "gpu")]

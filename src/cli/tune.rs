@@ -13,7 +13,7 @@ use super::load::{self, Loaded, Origin};
 use super::options::Compute;
 use super::overrides::{self, Override};
 use super::progress::Progress;
-use super::{Ending, interrupt, results};
+use super::{Ending, interrupt, pictures, results};
 use crate::data::{Log, Split};
 use crate::evaluate::{CpuEvaluator, CpuOptions, Evaluator, Precision};
 use crate::model::{Problem, TuneSpec};
@@ -63,8 +63,9 @@ pub(super) struct Tune {
     #[command(flatten)]
     compute: Compute,
 
-    /// Folder for result.json, tuned.toml (a problem file ready to run), history.csv and checkpoint.kfgpu (default: none
-    /// is written); it is made if need be, and tried before the search starts so that no result is lost.
+    /// Folder for result.json, tuned.toml (a problem file ready to run), history.csv, checkpoint.kfgpu and figures/
+    /// (pictures of the search and of the tuned filter as SVG) (default: none is written); it is made if need be, and
+    /// tried before the search starts so that no result is lost.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
@@ -206,6 +207,8 @@ impl Tune {
                 folder.write("front.csv", |out| Ok(write_front(points, out)?))?;
             }
             results::write_problem(folder, &problem, &winner.candidate, &origin)?;
+            let whiteness = &tuning.consistency.whiteness;
+            pictures::write_tuning(folder, (&problem, &split), &outcome, winner, whiteness, self.compute.cpu())?;
         }
         self.show(&tuning, &tuning.effort.warnings[said..], console)?;
         let feasible = unmet(&tuning.constraints).map(|sentence| console::error(&anyhow!(sentence))).is_none();

@@ -110,7 +110,7 @@ fn picks_say_where_they_are_wrong() {
         (
             "pick = \"nees\"",
             "\"nees\"",
-            "28:8: `tune.pick` names the objective `nees`, which does not exist: did you mean `nis`? (known: `nll`, `nis`)",
+            "28:8: `tune.pick` names the objective `nees`, which does not exist (known: `nll`, `nis`)",
         ),
         (
             "pick = 1",

@@ -178,6 +178,24 @@ fn the_file_is_there_after_every_generation_and_nothing_else() {
     }
 }
 
+/// A file of 2 MB is not written again at once, but at the end.
+#[test]
+fn a_large_file_takes_no_more_than_its_share_of_the_time() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("checkpoint.kfgpu");
+    let mut file = CheckpointFile::new(path, checkpoint().identity, checkpoint().source);
+    let large = |generations| Snapshot { optimizer: vec![7; 2 * CheckpointFile::SMALL], ..snapshot(generations) };
+    let begin = std::time::Instant::now();
+    let mut written = 0;
+    for generations in 1..200 {
+        file.state(&|| large(generations), false);
+        written += usize::from(file.written() == Some(generations));
+    }
+    assert!((1..199).contains(&written), "{written} of 199 written in {:?}", begin.elapsed());
+    file.state(&|| large(200), true);
+    assert_eq!((file.failure(), file.written()), (None, Some(200)));
+}
+
 #[test]
 fn a_write_that_fails_leaves_the_search_running_and_the_old_file() {
     let folder = tempfile::tempdir().expect("a folder");

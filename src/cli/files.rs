@@ -34,6 +34,17 @@ impl OutFolder {
     ) -> anyhow::Result<()> {
         write_whole(&self.path.join(name), fill)
     }
+
+    /// Removes one file of the folder, if it is there.
+    pub(super) fn remove(&self, name: &str) -> anyhow::Result<()> {
+        let path = self.path.join(name);
+        match fs::remove_file(&path) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                Err(error).with_context(|| format!("cannot remove the old {}", path.display()))
+            }
+            _ => Ok(()),
+        }
+    }
 }
 
 /// Where a verb's table goes: a file, or standard output.

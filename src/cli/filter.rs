@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 
-use super::Ending;
 use super::console::Console;
-use super::files::{self, Destination};
+use super::files::{self, Destination, OutFolder};
 use super::load::{self, Loaded};
+use super::{Ending, pictures};
 use crate::model::Problem;
 use crate::objective::Objective;
 use crate::reference;
@@ -41,6 +41,11 @@ pub(super) struct Filter {
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 
+    /// Folder for pictures of the run as SVG: estimates, innovations, NIS, autocorrelation, histogram (default: none is
+    /// drawn); it is made if need be.
+    #[arg(long, value_name = "DIR")]
+    figures: Option<PathBuf>,
+
     /// Print objectives and consistency as one JSON object on stdout (default: the table, and a summary on stderr), for
     /// programs; the table then goes only to --out.
     #[arg(long)]
@@ -65,6 +70,9 @@ impl Filter {
             Some(path) => problem.candidate_from(&Problem::open(path)?)?,
             None => problem.parameters.baseline(),
         };
+        if let Some(folder) = &self.figures {
+            OutFolder::prepare(folder)?;
+        }
         let mut evidence = Evidence::new(problem, log);
         let costs = match &table {
             None => reference::visit(problem, log, &candidate, &mut |t, step| evidence.add(t, step))?,
@@ -76,6 +84,9 @@ impl Filter {
             consistency: evidence.judge(problem, &candidate),
             warnings: loaded.warnings.clone(),
         };
+        if let Some(folder) = &self.figures {
+            pictures::write_run(folder, (problem, log), &candidate, &summary.consistency.whiteness)?;
+        }
         if self.json {
             files::print_json(&summary)?;
         } else {

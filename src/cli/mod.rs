@@ -16,6 +16,7 @@ mod load;
 mod options;
 mod overrides;
 mod paths;
+mod pictures;
 mod progress;
 mod results;
 #[cfg(feature = "gpu")]

@@ -13,12 +13,12 @@ use super::load::{self, Loaded, Origin};
 use super::options::Compute;
 use super::overrides::{self, Override};
 use super::progress::Progress;
-use super::{Ending, interrupt, results};
+use super::{Ending, interrupt, pictures, results};
 use crate::data::{Log, Split};
 use crate::evaluate::{CpuEvaluator, CpuOptions, Evaluator, Precision};
 use crate::model::{Problem, TuneSpec};
 use crate::reference;
-use crate::report::{Effort, LogFacts, Tuning, unmet, write_front};
+use crate::report::{Effort, LogFacts, Rows, Tuning, unmet, write_front};
 use crate::study::{self, CheckpointFile, Judge, Observer, Outcome, StopReason, Study};
 
 /// Search the parameters of a filter on a log, and report how much better the best found is.
@@ -63,8 +63,9 @@ pub(super) struct Tune {
     #[command(flatten)]
     compute: Compute,
 
-    /// Folder for result.json, tuned.toml (a problem file ready to run), history.csv and checkpoint.kfgpu (default: none
-    /// is written); it is made if need be, and tried before the search starts so that no result is lost.
+    /// Folder for result.json, report.md, tuned.toml (a problem file ready to run), history.csv, checkpoint.kfgpu and
+    /// figures/ (pictures of the search and of the tuned filter as SVG) (default: none is written); it is made if need be,
+    /// and tried before the search starts so that no result is lost.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
@@ -207,6 +208,9 @@ impl Tune {
                 folder.write("front.csv", |out| Ok(write_front(points, out)?))?;
             }
             results::write_problem(folder, &problem, &winner.candidate, &origin)?;
+            let whiteness = &tuning.consistency.whiteness;
+            let logs = pictures::Logs { train: &split.train, run: judged_log(&split, &tuning) };
+            pictures::write_tuning(folder, (&problem, logs), &outcome, winner, whiteness, self.compute.cpu())?;
         }
         if self.json {
             files::print_json(&tuning)?;
@@ -318,6 +322,12 @@ impl Tune {
 fn doubts(problem: &Problem, split: &Split, origin: &Origin) -> Vec<String> {
     let single = *origin == Origin::Simulated && split.train.trajectories.len() == 1;
     single.then(|| SINGLE_REALISATION.to_owned()).into_iter().chain(split.warnings(problem)).collect()
+}
+
+/// The log of the rows that consistency was judged on, and of those before them.
+fn judged_log<'a>(split: &'a Split, tuning: &Tuning) -> &'a Log {
+    let held_out = split.held_out.as_ref().filter(|_| tuning.consistency_on == Rows::HeldOut);
+    held_out.map_or(&split.train, |held_out| &held_out.log)
 }
 
 /// Candidates of a whole study, if nothing ends it early.

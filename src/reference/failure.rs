@@ -27,6 +27,11 @@ pub enum Cause {
     /// An overflow, or a NaN from a formula or an input.
     #[error("the filter met a number that is not finite (check the formulas, their parameters and the inputs)")]
     NotFinite,
+    /// R is singular or no covariance, which only smoothing needs.
+    #[error(
+        "the measurement noise covariance R is not positive definite, which smoothing needs (give every measurement some noise)"
+    )]
+    SingularNoise,
     /// `first = "predict"` has no interval to use.
     #[error("first = \"predict\" has no interval, because the log's intervals differ (give first_dt)")]
     NoFirstInterval,

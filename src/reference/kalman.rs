@@ -47,11 +47,11 @@ pub(super) struct Kalman {
 
 /// f and Q of the latest interval and inputs.
 #[derive(Debug)]
-struct Transition {
+pub(super) struct Transition {
     dt: f64,
     inputs: Vec<f64>,
-    f: Affine,
-    q: DMatrix<f64>,
+    pub(super) f: Affine,
+    pub(super) q: DMatrix<f64>,
 }
 
 /// h and R, whole and reduced to the present components, with the update's own storage.
@@ -81,12 +81,7 @@ impl Kalman {
             formulas,
             prior: estimate.clone(),
             posterior: estimate,
-            transition: Transition {
-                dt: f64::NAN,
-                inputs: Vec::new(),
-                f: Affine::zeros(n, n),
-                q: DMatrix::zeros(n, n),
-            },
+            transition: Transition::new(n),
             observation,
             scratch: [DMatrix::zeros(n, n), DMatrix::zeros(n, n)],
         }
@@ -165,14 +160,19 @@ impl Kalman {
 }
 
 impl Estimate {
-    fn check(&self) -> Result<(), Cause> {
+    pub(super) fn check(&self) -> Result<(), Cause> {
         let finite = self.x.iter().chain(self.p.iter()).all(|v| v.is_finite());
         if finite { Ok(()) } else { Err(Cause::NotFinite) }
     }
 }
 
 impl Transition {
-    fn prepare(&mut self, formulas: &mut Formulas, dt: f64, inputs: &[f64]) {
+    pub(super) fn new(n: usize) -> Self {
+        Self { dt: f64::NAN, inputs: Vec::new(), f: Affine::zeros(n, n), q: DMatrix::zeros(n, n) }
+    }
+
+    /// Brings f and Q up to date with an interval and its inputs.
+    pub(super) fn prepare(&mut self, formulas: &mut Formulas, dt: f64, inputs: &[f64]) {
         let same_dt = dt.to_bits() == self.dt.to_bits();
         if !same_dt {
             formulas.process_noise(dt, &mut self.q);

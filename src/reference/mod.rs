@@ -10,6 +10,7 @@ mod kalman;
 mod matrices;
 mod run;
 mod score;
+mod smoother;
 mod steady;
 
 pub use evaluate::{Scope, evaluate};
@@ -19,4 +20,5 @@ pub use matrices::Matrices;
 pub(crate) use matrices::{Affine, Formulas};
 pub use run::{Run, Step, costs, costs_held_out, run, scores, visit};
 pub use score::score;
+pub use smoother::{Smoothed, smooth};
 pub use steady::{Steady, steady_gain};

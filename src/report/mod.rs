@@ -3,6 +3,8 @@
 mod bound;
 mod consistency;
 mod constraint;
+#[cfg(feature = "figures")]
+pub mod figures;
 mod front;
 mod matrices;
 mod named;

@@ -5,8 +5,10 @@
 mod diffuse;
 mod examples;
 mod held_out;
+mod joint;
 mod joint_density;
 mod rules;
 mod simulated;
+mod smoother;
 mod support;
 mod values;

@@ -1,0 +1,108 @@
+//! The pictures of `tune --out` and `filter --figures`.
+
+use std::path::Path;
+
+use super::files::OutFolder;
+use crate::data::Log;
+use crate::evaluate::{CpuEvaluator, CpuOptions, Precision};
+use crate::model::Problem;
+use crate::reference;
+use crate::report::Whiteness;
+use crate::report::figures::{Figure, RunRecord, autocorrelation, convergence, landscape};
+use crate::study::{Outcome, Winner};
+
+/// Folder of the pictures inside that of `tune --out`.
+const FOLDER: &str = "figures";
+
+/// Every picture there may be. One that a run does not draw is removed, so that none is left of an earlier run.
+const NAMES: [&str; 7] = [
+    "convergence.svg",
+    "landscape.svg",
+    "estimates.svg",
+    "innovations.svg",
+    "nis.svg",
+    "autocorrelation.svg",
+    "histogram.svg",
+];
+
+/// Rows times candidates that the picture of the cost may take, unless the log is so long that its coarsest grid takes
+/// more. They are a second of one core for a small filter.
+const LANDSCAPE: f64 = 4e7;
+/// Candidates of that picture: at most a grid of 64 x 64, at least one of 16 x 16.
+const CANDIDATES: [f64; 2] = [256.0, 4096.0];
+/// Rows times squared states up to which the smoother, which keeps that many numbers, is drawn.
+const SMOOTHED: usize = 20_000_000;
+
+/// What the pictures of a study are of.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Logs<'a> {
+    /// What was tuned on: the cost.
+    pub(super) train: &'a Log,
+    /// What the tuned filter is shown on.
+    pub(super) run: &'a Log,
+}
+
+type Pictures = Vec<(&'static str, Figure)>;
+
+/// The pictures of a finished study, into a folder of the output folder.
+pub(super) fn write_tuning(
+    folder: &OutFolder,
+    (problem, logs): (&Problem, Logs<'_>),
+    outcome: &Outcome,
+    winner: &Winner,
+    whiteness: &[Whiteness],
+    options: CpuOptions,
+) -> anyhow::Result<()> {
+    let mut pictures = vec![("convergence.svg", convergence(problem, &outcome.history))];
+    let mut evaluator = CpuEvaluator::new(problem, logs.train, CpuOptions { precision: Precision::F64, ..options })?;
+    let [least, most] = CANDIDATES;
+    let evaluations = (LANDSCAPE / logs.train.rows().max(1) as f64).clamp(least, most) as usize;
+    let baseline = &outcome.baseline.candidate;
+    let around = landscape(problem, &winner.candidate, baseline, evaluations, &mut evaluator);
+    pictures.push(("landscape.svg", around));
+    pictures.extend(of_run(problem, logs.run, &winner.candidate, whiteness)?);
+    write(&folder.path().join(FOLDER), &pictures)
+}
+
+/// The pictures of a filter run, into a folder of their own.
+pub(super) fn write_run(
+    folder: &Path,
+    (problem, log): (&Problem, &Log),
+    candidate: &[f64],
+    whiteness: &[Whiteness],
+) -> anyhow::Result<()> {
+    write(folder, &of_run(problem, log, candidate, whiteness)?)
+}
+
+fn of_run(problem: &Problem, log: &Log, candidate: &[f64], whiteness: &[Whiteness]) -> anyhow::Result<Pictures> {
+    let mut record = RunRecord::new(problem, log);
+    reference::visit(problem, log, candidate, &mut |trajectory, step| record.add(trajectory, step))?;
+    let n = problem.model.states.len();
+    if let Some(trajectory) = record.finish()
+        && log.rows().saturating_mul(n * n) <= SMOOTHED
+    {
+        let smoothed = reference::smooth(problem, log, candidate);
+        // Where R is singular there is no smoothed estimate, and the picture goes without.
+        let rows = smoothed.ok().and_then(|mut all| (trajectory < all.len()).then(|| all.swap_remove(trajectory)));
+        record.add_smoothed(rows.iter().flatten().map(|row| (row.time, &row.estimate)));
+    }
+    Ok(vec![
+        ("estimates.svg", record.estimates()),
+        ("innovations.svg", record.innovations()),
+        ("nis.svg", record.nis()),
+        ("autocorrelation.svg", autocorrelation(problem, whiteness)),
+        ("histogram.svg", record.histogram()),
+    ])
+}
+
+fn write(folder: &Path, pictures: &Pictures) -> anyhow::Result<()> {
+    let folder = OutFolder::prepare(folder)?;
+    for (name, figure) in pictures {
+        let svg = figure.to_svg()?;
+        folder.write(name, |out| Ok(out.write_all(svg.as_bytes())?))?;
+    }
+    for name in NAMES.iter().filter(|name| !pictures.iter().any(|(drawn, _)| drawn == *name)) {
+        folder.remove(name)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,180 @@
+//! Fixed-interval smoothing: the estimate of every row by all measurements of its trajectory, later ones too.
+//!
+//! The estimates are those of Rauch, Tung and Striebel (1965, doi:10.2514/3.3166). Their recursion inverts predicted
+//! covariances, which may be singular (an exact x0, states without noise), undoes a stable F step by step, and loses
+//! digits as the square of P0 / R. So they are computed from two filters (Fraser and Potter 1969,
+//! doi:10.1109/TAC.1969.1099196): the filter's x and P of a row, and what later measurements say about that state. Its
+//! log-likelihood is j' d - d' J d / 2 at x + d; J (n x n) and j (n) start from 0 at the last row and go back by
+//!
+//! ```text
+//! smoothed:                    Ps = (P^-1 + J)^-1,   xs = x + Ps j                    (d from the posterior)
+//! before the row's update:     J <- J + H' R^-1 H,   j <- j + J K nu + H' R^-1 nu     (d from the prior)
+//! before the transition to it: J <- F' C F,          j <- F' (j - C Q j)              with C = (J^-1 + Q)^-1
+//! ```
+//!
+//! P, J and Q may be singular: (A^-1 + B)^-1 = L (I + L' B L)^-1 L' with A = L L' inverts nothing that can be, and
+//! subtracts nothing.
+
+use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
+
+use super::kalman::{Estimate, Transition, Update, symmetrise};
+use super::matrices::{Affine, Formulas};
+use super::run::visit;
+use super::{Cause, Failure};
+use crate::data::{Log, Trajectory};
+use crate::model::{FilterKind, Problem};
+
+/// The estimate of one row by all measurements of its trajectory.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Smoothed {
+    /// Row of the trajectory.
+    pub row: usize,
+    /// Its time \[s\].
+    pub time: f64,
+    /// State and covariance.
+    pub estimate: Estimate,
+}
+
+/// Smooths the run of `candidate` (searched parameters in their own units): one list per trajectory of the log, with the
+/// rows of [`super::Run::trajectories`]. It keeps n² + n numbers a row, and the updates while it runs.
+///
+/// # Errors
+/// As [`super::run`]; also when R is singular.
+///
+/// # Panics
+/// If `candidate` does not have one value per searched parameter.
+pub fn smooth(problem: &Problem, log: &Log, candidate: &[f64]) -> Result<Vec<Vec<Smoothed>>, Failure> {
+    let mut passes: Vec<Vec<Pass>> = log.trajectories.iter().map(|_| Vec::new()).collect();
+    visit(problem, log, candidate, &mut |trajectory, step| {
+        let (time, estimate) = (step.time, step.posterior.clone());
+        passes[trajectory].push((Smoothed { row: step.row, time, estimate }, step.update.clone()));
+    })?;
+    let mut later = Later::new(problem, candidate);
+    let all = passes.into_iter().zip(&log.trajectories).enumerate();
+    all.map(|(index, (passes, trajectory))| {
+        later.backwards(passes, trajectory).map_err(|(row, what)| Failure::at(log, index, row, what))
+    })
+    .collect()
+}
+
+/// A row of the filter, its posterior in place of what is to be smoothed.
+type Pass = (Smoothed, Option<Update>);
+
+/// What later measurements say about a state.
+struct Later {
+    formulas: Formulas,
+    transition: Transition,
+    /// h, as long as inputs do not change it.
+    measurement: Option<Affine>,
+    r: DMatrix<f64>,
+    /// J, n x n, positive semidefinite.
+    information: DMatrix<f64>,
+    /// j, n.
+    gradient: DVector<f64>,
+}
+
+impl Later {
+    fn new(problem: &Problem, candidate: &[f64]) -> Self {
+        // Q and R of the formulas are those that were filtered with.
+        match problem.filter {
+            FilterKind::Kalman => {}
+        }
+        let mut formulas = Formulas::new(&problem.model, problem.parameters.resolve(candidate));
+        let (n, m) = (formulas.n, formulas.m);
+        let mut r = DMatrix::zeros(m, m);
+        formulas.measurement_noise(&mut r);
+        Self {
+            formulas,
+            transition: Transition::new(n),
+            measurement: None,
+            r,
+            information: DMatrix::zeros(n, n),
+            gradient: DVector::zeros(n),
+        }
+    }
+
+    /// Smooths one trajectory, last row first; an error comes with its row.
+    fn backwards(&mut self, passes: Vec<Pass>, trajectory: &Trajectory) -> Result<Vec<Smoothed>, (usize, Cause)> {
+        self.information.fill(0.0);
+        self.gradient.fill(0.0);
+        let mut smoothed: Vec<Smoothed> = Vec::with_capacity(passes.len());
+        for (mut pass, update) in passes.into_iter().rev() {
+            let (row, inputs) = (pass.row, trajectory.u.row(pass.row));
+            let failed = |cause| (row, cause);
+            // Nothing follows the last row: its posterior is what it is.
+            if let Some(dt) = trajectory.dt(row).filter(|_| !smoothed.is_empty()) {
+                self.before_transition(dt, inputs).map_err(failed)?;
+                let Estimate { x, p } = &mut pass.estimate;
+                *p = parallel(p, &self.information).map_err(failed)?;
+                *x += &*p * &self.gradient;
+                pass.estimate.check().map_err(failed)?;
+            }
+            if let Some(update) = update {
+                self.before_update(&update, inputs).ok_or_else(|| failed(Cause::SingularNoise))?;
+            }
+            smoothed.push(pass);
+        }
+        smoothed.reverse();
+        Ok(smoothed)
+    }
+
+    /// `None` when R has no inverse.
+    fn before_update(&mut self, Update { present, nu, k, .. }: &Update, inputs: &[f64]) -> Option<()> {
+        let Formulas { n, m, h_uses_inputs, .. } = self.formulas;
+        let whole = self.measurement.take().filter(|_| !h_uses_inputs).unwrap_or_else(|| {
+            let mut whole = Affine::zeros(m, n);
+            self.formulas.measurement(inputs, &mut whole);
+            whole
+        });
+        let h = whole.matrix.select_rows(present);
+        self.measurement = Some(whole);
+        let r = self.r.select_rows(present).select_columns(present);
+        // H' R^-1.
+        let weight = Cholesky::new(r)?.solve(&h).transpose();
+        self.gradient += &self.information * (k * nu) + &weight * nu;
+        self.information += weight * h;
+        symmetrise(&mut self.information);
+        Some(())
+    }
+
+    fn before_transition(&mut self, dt: f64, inputs: &[f64]) -> Result<(), Cause> {
+        self.transition.prepare(&mut self.formulas, dt, inputs);
+        let Transition { f, q, .. } = &self.transition;
+        let c = parallel(&self.information, q)?;
+        self.gradient = &f.transpose * (&self.gradient - &c * (q * &self.gradient));
+        self.information = &f.transpose * c * &f.matrix;
+        symmetrise(&mut self.information);
+        Ok(())
+    }
+}
+
+/// (A^-1 + B)^-1 of positive semidefinite A and B, which need no inverse.
+fn parallel(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Result<DMatrix<f64>, Cause> {
+    let root = root(a)?;
+    let n = a.nrows();
+    let mut inner = root.tr_mul(b) * &root + DMatrix::identity(n, n);
+    symmetrise(&mut inner);
+    let factor = Cholesky::new(inner).ok_or(Cause::NotFinite)?;
+    let half = factor.l_dirty().solve_lower_triangular(&root.transpose()).ok_or(Cause::NotFinite)?;
+    Ok(half.tr_mul(&half))
+}
+
+/// L with A = L L'. Where A has no Cholesky factor, from its eigenvectors, with the negative eigenvalues that rounding
+/// leaves taken as 0. A is scaled to a unit diagonal first, so that units do not decide what is lost in rounding.
+fn root(a: &DMatrix<f64>) -> Result<DMatrix<f64>, Cause> {
+    if !a.iter().all(|v| v.is_finite()) {
+        return Err(Cause::NotFinite);
+    }
+    let scale = a.diagonal().map(|v| v.max(0.0).sqrt());
+    let inverse = scale.map(|s| if s > 0.0 { s.recip() } else { 0.0 });
+    let scaled = DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] * inverse[i] * inverse[j]);
+    let mut root = Cholesky::new(scaled.clone()).map_or_else(
+        || {
+            let SymmetricEigen { eigenvalues, eigenvectors } = SymmetricEigen::new(scaled);
+            eigenvectors * DMatrix::from_diagonal(&eigenvalues.map(|value| value.max(0.0).sqrt()))
+        },
+        Cholesky::unpack,
+    );
+    root.row_iter_mut().zip(&scale).for_each(|(mut row, scale)| row *= *scale);
+    Ok(root)
+}

@@ -1,0 +1,98 @@
+//! Series that are thinned while they are collected, so that a picture of any log takes the same memory.
+
+/// Rows kept of a series; about five times what a picture shows side by side.
+const ROWS: usize = 4000;
+
+/// A series over time in at most [`ROWS`] stretches: the first value of each, and the lowest and highest.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Envelope {
+    /// Rows of the log in one stretch.
+    every: usize,
+    seen: usize,
+    rows: Vec<Stretch>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Stretch {
+    time: f64,
+    first: f64,
+    low: f64,
+    high: f64,
+}
+
+impl Envelope {
+    /// For a series of `length` rows.
+    pub(super) fn new(length: usize) -> Self {
+        Self { every: length.div_ceil(ROWS).max(1), seen: 0, rows: Vec::new() }
+    }
+
+    /// The next value; NaN is a gap where a whole stretch has no other.
+    pub(super) fn push(&mut self, time: f64, value: f64) {
+        self.push_band(time, [value, value]);
+    }
+
+    /// The next lower and upper edge of a band.
+    pub(super) fn push_band(&mut self, time: f64, [low, high]: [f64; 2]) {
+        match self.rows.last_mut() {
+            // min and max leave NaN out.
+            Some(last) if !self.seen.is_multiple_of(self.every) => {
+                last.low = last.low.min(low);
+                last.high = last.high.max(high);
+            }
+            _ => self.rows.push(Stretch { time, first: low, low, high }),
+        }
+        self.seen += 1;
+    }
+
+    /// As a line: up and down in every stretch.
+    pub(super) fn line(&self) -> impl Iterator<Item = (f64, f64)> {
+        let points = if self.every == 1 { 1 } else { 2 };
+        self.rows.iter().flat_map(move |s| [(s.time, s.low), (s.time, s.high)].into_iter().take(points))
+    }
+
+    /// As points: of each stretch its ends and one more.
+    pub(super) fn points(&self) -> impl Iterator<Item = (f64, f64)> {
+        let points = if self.every == 1 { 1 } else { 3 };
+        self.rows
+            .iter()
+            .flat_map(move |s| [(s.time, s.first), (s.time, s.low), (s.time, s.high)].into_iter().take(points))
+    }
+
+    /// As a band.
+    pub(super) fn band(&self) -> impl Iterator<Item = (f64, [f64; 2])> {
+        self.rows.iter().map(|s| (s.time, [s.low, s.high]))
+    }
+
+    /// Whether there is any value at all.
+    pub(super) fn has_values(&self) -> bool {
+        self.rows.iter().any(|s| s.low.is_finite() || s.high.is_finite())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_short_series_stays_as_it_is() {
+        let mut series = Envelope::new(3);
+        let rows = [(0.0, 1.0), (1.0, -2.0), (2.0, 5.0)];
+        rows.iter().for_each(|(t, v)| series.push(*t, *v));
+        assert_eq!(series.line().collect::<Vec<_>>(), rows);
+        assert_eq!(series.points().collect::<Vec<_>>(), rows);
+    }
+
+    #[test]
+    fn a_long_series_keeps_its_extremes_and_gaps() {
+        let mut series = Envelope::new(1_000_000);
+        for k in 0..1_000_000u32 {
+            let gap = (500_000..600_000).contains(&k);
+            let spike = if k == 123_456 { 9.0 } else { 0.0 };
+            series.push(f64::from(k), if gap { f64::NAN } else { spike });
+        }
+        assert_eq!(series.rows.len(), ROWS);
+        assert!(series.line().any(|(_, v)| v > 8.9), "the spike is gone");
+        let gaps = series.line().filter(|(_, v)| v.is_nan()).count();
+        assert_eq!(gaps, 2 * ROWS / 10, "a tenth of the series is a gap");
+    }
+}

@@ -1,0 +1,160 @@
+//! The pictures of one filter run.
+
+use super::run_record::{MOST, MeasurementSeries, RunRecord, Track};
+use super::{Axis, Colour, Dash, Figure, Marker, Panel, Stroke};
+use crate::model::Problem;
+use crate::report::{Whiteness, significant};
+
+const MEASURED: (Marker, Colour) = (Marker::Dot, Colour::Grey);
+const ESTIMATE: Stroke = Stroke::new(Colour::Black);
+const TRUTH: Stroke = Stroke::dashed(Colour::Red, Dash::Dashed).width(1.6);
+const SMOOTHED: Stroke = Stroke::dashed(Colour::Amber, Dash::Solid).width(1.6);
+const LIMIT: Stroke = Stroke::dashed(Colour::Red, Dash::Dashed);
+
+impl RunRecord<'_> {
+    /// States over time with their 3-sigma bands, with measurements, truth and smoothed estimates where there are any.
+    /// A measurement that is no state by itself has a panel of its own, beside what the filter expected.
+    #[must_use]
+    pub fn estimates(&self) -> Figure {
+        let states = &self.problem.model.states;
+        let shown = states.len().min(MOST);
+        let left_out =
+            if shown < states.len() { format!(", first {shown} of {} states", states.len()) } else { String::new() };
+        let figure = self.figure(&format!("measurements and estimates{left_out}"));
+        let Some(track) = self.track() else { return figure.panel(self.empty("state")) };
+        let alone = (0..track.measurements.len()).filter(|i| !self.measured_as.contains(&Some(*i)));
+        figure
+            .panels((0..shown).map(|state| self.state(track, state)))
+            .panels(alone.take(MOST - shown.min(MOST - 2)).map(|i| self.measurement(&track.measurements[i], i)))
+    }
+
+    fn state(&self, track: &Track, state: usize) -> Panel {
+        let series = &track.states[state];
+        let mut panel = Panel::new(time_axis(self.problem), Axis::new(&self.problem.model.states[state]));
+        panel = panel.band("3-sigma band", Colour::Blue, series.band.band());
+        if let Some(measurement) = self.measured_as[state].and_then(|i| track.measurements.get(i)) {
+            panel = panel.points("measured", MEASURED, measurement.measured.points());
+        }
+        if series.truth.has_values() {
+            panel = panel.line("truth", TRUTH, series.truth.line());
+        }
+        if series.smoothed.has_values() {
+            panel = panel.line("smoothed", SMOOTHED, series.smoothed.line());
+        }
+        panel.line("estimate", ESTIMATE, series.estimate.line())
+    }
+
+    fn measurement(&self, series: &MeasurementSeries, i: usize) -> Panel {
+        Panel::new(time_axis(self.problem), Axis::new(&self.log.measurements[i]))
+            .band("3-sigma band", Colour::Blue, series.predicted_band.band())
+            .points("measured", MEASURED, series.measured.points())
+            .line("predicted", ESTIMATE, series.predicted.line())
+    }
+
+    /// Innovations with plus and minus two of their standard deviations, within which 95 % lie if the filter is right.
+    #[must_use]
+    pub fn innovations(&self) -> Figure {
+        let shown = self.log.measurements.len().min(MOST);
+        let all = self.log.measurements.len();
+        let left_out = if shown < all { format!(", first {shown} of {all} measurements") } else { String::new() };
+        let figure = self.figure(&format!("innovations{left_out}"));
+        let Some(track) = self.track() else { return figure.panel(self.empty("innovation")) };
+        let panel = |(name, series): (&String, &MeasurementSeries)| {
+            Panel::new(time_axis(self.problem), Axis::new(format!("innovation of {name}")))
+                .band("± 2 sqrt(S)", Colour::Blue, series.band.band())
+                .points("innovation", (Marker::Dot, Colour::Black), series.innovation.points())
+                .horizontal("", Stroke::new(Colour::Grey).width(1.0), 0.0)
+        };
+        figure.panels(self.log.measurements.iter().zip(&track.measurements).map(panel))
+    }
+
+    /// NIS over time with the band that holds 95 % of it if the filter is right.
+    #[must_use]
+    pub fn nis(&self) -> Figure {
+        let nis = self.nis;
+        let mean = significant(nis.sum / nis.components.max(1) as f64, 3);
+        let inside = 100.0 * nis.inside as f64 / nis.rows.max(1) as f64;
+        let figure = self.figure("NIS").size(760.0, 260.0);
+        let axis = Axis::new("NIS").log();
+        let Some(track) = self.track().filter(|_| nis.rows > 0) else { return figure.panel(self.empty("NIS")) };
+        // The lowest NIS of a long log tell nothing, but would take most of the height.
+        let low = track.nis_band.band().map(|(_, [low, _])| low).fold(f64::INFINITY, f64::min) / 30.0;
+        let high = track.nis_band.band().map(|(_, [_, high])| high).fold(f64::NEG_INFINITY, f64::max);
+        let high = track.nis.line().map(|(_, nis)| nis).filter(|nis| nis.is_finite()).fold(high, f64::max) * 1.5;
+        let axis = if 0.0 < low && low < high && high < 1e300 { axis.range(low, high) } else { axis };
+        let panel = Panel::new(time_axis(self.problem), axis)
+            .title(format!("mean {mean} a component; {inside:.1} % of {} rows in the band", nis.rows))
+            .band("95 % band", Colour::Blue, track.nis_band.band())
+            .points("NIS", (Marker::Dot, Colour::Black), track.nis.points());
+        figure.panel(panel)
+    }
+
+    /// Histograms of the normalised innovations of all trajectories over N(0, 1).
+    #[must_use]
+    pub fn histogram(&self) -> Figure {
+        let names = self.log.measurements.iter().zip(&self.histograms).take(MOST);
+        let columns = if self.histograms.len() > 1 { 2 } else { 1 };
+        Figure::new(titled(self.problem, "normalised innovations"))
+            .columns(columns)
+            .panels(names.map(|(name, histogram)| histogram.panel(name)))
+    }
+
+    /// A figure whose title says which of several trajectories it shows.
+    fn figure(&self, what: &str) -> Figure {
+        let all = self.log.trajectories.len();
+        let which = self.track().filter(|_| all > 1).map(|track| {
+            let id = &self.log.trajectories[track.trajectory].id;
+            let number = (track.trajectory + 1).to_string();
+            let name = if id.is_empty() { &number } else { id };
+            format!(" (trajectory {name}: largest mean NIS of {all})")
+        });
+        let height = if self.log.measurements.len().max(self.problem.model.states.len()) > 2 { 150.0 } else { 220.0 };
+        Figure::new(titled(self.problem, &format!("{what}{}", which.unwrap_or_default()))).size(760.0, height)
+    }
+
+    fn empty(&self, y: &str) -> Panel {
+        Panel::new(time_axis(self.problem), Axis::new(y))
+    }
+}
+
+/// Autocorrelations of the normalised innovations with the band that holds 95 % of them if they are white.
+#[must_use]
+pub fn autocorrelation(problem: &Problem, whiteness: &[Whiteness]) -> Figure {
+    let panel = |w: &Whiteness| {
+        let bars = w.autocorrelation.iter().enumerate().map(|(i, r)| {
+            let lag = i as f64 + 1.0;
+            ([lag - 0.3, lag + 0.3], *r)
+        });
+        let title = format!("{}: {} values, Ljung-Box p = {}", w.measurement, w.count, significant(w.p_value, 2));
+        Panel::new(Axis::new("lag").unit("measured rows").whole().including(0.0), Axis::new("autocorrelation"))
+            .title(title)
+            .bars("autocorrelation", Colour::Blue, bars)
+            .horizontal("95 % band", LIMIT, w.band)
+            .horizontal("", LIMIT, -w.band)
+            .horizontal("", Stroke::new(Colour::Black).width(1.0), 0.0)
+    };
+    let columns = if whiteness.len() > 1 { 2 } else { 1 };
+    let figure = Figure::new(titled(problem, "autocorrelation of the innovations")).columns(columns);
+    if whiteness.is_empty() {
+        return figure.panel(Panel::new(Axis::new("lag"), Axis::new("autocorrelation")));
+    }
+    figure.panels(whiteness.iter().take(MOST).map(panel))
+}
+
+/// `nile: innovations`, after the problem file's name.
+pub(super) fn titled(problem: &Problem, what: &str) -> String {
+    let name = std::path::Path::new(&problem.source).file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    match name.filter(|name| !name.is_empty()) {
+        Some(name) => format!("{name}: {what}"),
+        None => what.to_owned(),
+    }
+}
+
+/// Time in seconds where the log has a column named so; else the column's own name.
+fn time_axis(problem: &Problem) -> Axis {
+    match problem.data.time.as_deref() {
+        None => Axis::new("row"),
+        Some("t" | "time" | "T" | "Time") => Axis::new("time").unit("s"),
+        Some(column) => Axis::new(column),
+    }
+}

@@ -200,8 +200,7 @@ impl Tune {
         let said = warnings.len();
         let effort = Effort::of(&problem, facts, &outcome, device, warnings);
         let Some(winner) = &outcome.winner else { return self.report_nothing(effort, &outcome, folder.as_ref()) };
-        let tuning = Tuning::of(effort, &problem, &split, winner)?;
-        let tuning = tuning.with_front(&problem, &outcome, split.held_out.as_ref());
+        let tuning = Tuning::of(effort, &problem, &split, (&outcome, winner))?;
         if let Some(folder) = &folder {
             results::write(folder, &tuning, &outcome.history)?;
             if let Some(points) = &tuning.front {

@@ -1,11 +1,13 @@
 //! NSGA-II: a genetic algorithm for several objectives.
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::operators::{Crossover, Mutation, Range};
 use super::pareto::{Ranking, Scores};
 use super::random::{Purpose, Stream};
-use super::{Optimizer, Settings, Space, swarm};
+use super::saved::{self, Reader};
+use super::{Optimizer, RestoreError, Settings, Space, swarm};
 use crate::evaluate::{Evaluation, Population};
 
 /// Pairs that are worth a task of their own.
@@ -90,6 +92,15 @@ pub struct Nsga2 {
     scores: Scores,
     ranking: Ranking,
     parents: Vec<usize>,
+}
+
+/// What a population has learnt; positions row after row.
+#[derive(Serialize, Deserialize)]
+struct Saved {
+    generation: usize,
+    x: Vec<f64>,
+    scores: Scores,
+    ranking: Ranking,
 }
 
 impl Nsga2 {
@@ -241,5 +252,28 @@ impl Optimizer for Nsga2 {
             self.survive(population, costs);
         }
         self.generation += 1;
+    }
+
+    fn save(&self) -> Option<Vec<u8>> {
+        saved::write(&Saved {
+            generation: self.generation,
+            x: self.x.values().to_vec(),
+            scores: self.scores.clone(),
+            ranking: self.ranking.clone(),
+        })
+    }
+
+    fn restore(&mut self, saved: &[u8]) -> Result<(), RestoreError> {
+        let reader = Reader { algorithm: self.name(), dimension: self.x.dimension() };
+        let Saved { generation, x, scores, ranking } = reader.read(saved)?;
+        let rows = self.settings.population;
+        let generation = reader.told(generation, self.settings.generations)?;
+        let scored = scores.is_whole() && scores.len() == rows && scores.objectives() == self.settings.objectives;
+        reader.ensure(scored, "it has not one cost a candidate and objective")?;
+        let ranked = ranking.rank.len() == rows && ranking.crowding.len() == rows;
+        reader.ensure(ranked, "it has not one rank a candidate")?;
+        self.x = reader.positions(x, rows)?;
+        (self.generation, self.scores, self.ranking) = (generation, scores, ranking);
+        Ok(())
     }
 }

@@ -1,5 +1,6 @@
 //! The list of optimisers: one row each.
 
+use super::memetic::{self, annealing};
 use super::{Optimizer, Space, nsga2, pio, pso, random_search};
 
 /// What every optimiser is built from.
@@ -100,6 +101,29 @@ pub static ALGORITHMS: &[Algorithm] = &[
         minimum_reason: "children have two parents",
         maximum_objectives: 4,
         build: |space, settings| Box::new(nsga2::Nsga2::new(space, settings, nsga2::STUDY)),
+    },
+    Algorithm {
+        name: "moma",
+        about: "nsga2-study with a local search from its best, by simulated annealing as printed in the MOMA study",
+        defaults: "the best tenth every fifth generation; 8 proposals from T = 1e6, ratio 0.9, steps of 5 % of the range \
+                   (doi 10.1145/2576768.2598242)",
+        minimum_population: 2,
+        minimum_reason: "children have two parents",
+        maximum_objectives: 4,
+        build: |space, settings| {
+            Box::new(memetic::moma(space, settings, memetic::MOMA, nsga2::STUDY, annealing::PRINTED))
+        },
+    },
+    Algorithm {
+        name: "moma-annealed",
+        about: "moma with a temperature that acts, in units of the cost differences seen",
+        defaults: "as moma; T from 1 to 0.05",
+        minimum_population: 2,
+        minimum_reason: "children have two parents",
+        maximum_objectives: 4,
+        build: |space, settings| {
+            Box::new(memetic::moma(space, settings, memetic::MOMA_ANNEALED, nsga2::STUDY, annealing::ACTING))
+        },
     },
     Algorithm {
         name: "random",

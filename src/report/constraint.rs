@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::{TextTable, significant};
 use crate::model::Problem;
-use crate::objective::Relation;
+use crate::objective::{Constraint, Relation};
 use crate::study::Outcome;
 
 /// Digits of values.
@@ -27,12 +27,22 @@ pub struct ConstraintCheck {
     pub met: bool,
 }
 
+impl ConstraintCheck {
+    /// Whether the baseline meets it; not where it fails.
+    pub(super) fn met_by_baseline(&self) -> bool {
+        self.baseline.is_some_and(|value| match self.relation {
+            Relation::AtMost => value <= self.limit,
+            Relation::AtLeast => value >= self.limit,
+        })
+    }
+}
+
 /// All constraints of a problem against the winner of a study; none without a winner.
 #[must_use]
 pub fn constraint_checks(problem: &Problem, outcome: &Outcome) -> Vec<ConstraintCheck> {
     let values = outcome.winner.as_ref().map(|winner| winner.constraints.as_slice()).unwrap_or_default();
     let baseline = outcome.baseline.constraints.as_deref().unwrap_or_default();
-    let check = |(i, (constraint, value)): (usize, (&crate::objective::Constraint, &f64))| ConstraintCheck {
+    let check = |(i, (constraint, value)): (usize, (&Constraint, &f64))| ConstraintCheck {
         measure: constraint.measure.name(),
         relation: constraint.relation,
         limit: constraint.limit,

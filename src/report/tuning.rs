@@ -216,12 +216,17 @@ impl Effort {
 }
 
 impl Tuning {
-    /// The result of a study over `split.train` with its winner, which runs once more through the reference, and through
+    /// The result of a study over `split.train`, and its winner, which runs once more through the reference, and through
     /// what is held out.
     ///
     /// # Errors
     /// If the run over the training rows fails; it does not for a winner of [`study::run`].
-    pub fn of(effort: Effort, problem: &Problem, split: &Split, winner: &Winner) -> Result<Self, Failure> {
+    pub fn of(
+        effort: Effort,
+        problem: &Problem,
+        split: &Split,
+        (outcome, winner): (&Outcome, &Winner),
+    ) -> Result<Self, Failure> {
         let log = &split.train;
         let mut evidence = Evidence::new(problem, log);
         let mut last_gain = None;
@@ -238,6 +243,7 @@ impl Tuning {
         let raw = problem.tune.objectives.iter().filter_map(|o| Some((o.name(), raw_rmse(problem, log, &from, o)?)));
         let held_out = split.held_out.as_ref().and_then(|held| on_held_out(problem, held, &winner.candidate));
         let consistency_on = if held_out.is_some() { Rows::HeldOut } else { Rows::InSample };
+        let (points, summary) = front(problem, outcome, split.held_out.as_ref()).unzip();
         let mut tuning = Self {
             parameters: parameters(problem, &winner.candidate),
             at_bound: at_bound.collect(),
@@ -248,10 +254,10 @@ impl Tuning {
             consistency: held_out.as_ref().unwrap_or(&evidence).judge(problem, &winner.candidate),
             consistency_on,
             certificate: Certificate::of(problem, &winner.certificate),
-            constraints: Vec::new(),
+            constraints: constraint_checks(problem, outcome),
             feasible: winner.violation <= 0.0,
-            front: None,
-            front_summary: None,
+            front: points,
+            front_summary: summary,
             polish: winner.polish.as_ref().map(|polish| Polish::of(problem, polish)),
             matrices: Matrices::of(problem, log, &winner.candidate, last_gain),
             raw_measurements: raw.collect(),
@@ -260,15 +266,6 @@ impl Tuning {
         let found = Warning::of(&tuning);
         tuning.effort.warnings.extend(found.iter().map(ToString::to_string));
         Ok(tuning)
-    }
-
-    /// With what `outcome` has beyond its winner: the front, re-scored on `held_out` rows where there are any, and the
-    /// constraints.
-    #[must_use]
-    pub fn with_front(mut self, problem: &Problem, outcome: &Outcome, held_out: Option<&HeldOut>) -> Self {
-        (self.front, self.front_summary) = front(problem, outcome, held_out).unzip();
-        self.constraints = constraint_checks(problem, outcome);
-        self
     }
 }
 

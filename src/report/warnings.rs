@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::{Tuning, Validation, count, significant};
+use crate::optimize;
 
 /// Relative difference between search and reference above which single precision is worth a warning: ten times what is
 /// promised of it.
@@ -17,6 +18,13 @@ pub enum Warning {
     WorseOnHeldOut,
     /// The winner fails on held-out rows.
     FailsOnHeldOut,
+    /// A method for several objectives was given one.
+    OneObjective {
+        /// Its name.
+        algorithm: String,
+    },
+    /// The front has a single member.
+    OneMember,
     /// Candidates failed.
     Failures {
         /// How many.
@@ -49,6 +57,8 @@ impl Warning {
         [
             (!gains(tuning)).then_some(Self::NoGain),
             tuning.validation.as_ref().and_then(on_held_out),
+            one_objective(tuning),
+            tuning.front.as_ref().filter(|front| front.len() == 1).map(|_| Self::OneMember),
             (failed > 0).then_some(Self::Failures { failed, evaluations }),
             (!certificate.order_held).then(|| Self::OrderChanged { precision: precision.clone() }),
             (gap > LARGE_GAP).then(|| Self::LargeGap { gap, precision: precision.clone() }),
@@ -66,11 +76,18 @@ fn on_held_out(validation: &Validation) -> Option<Warning> {
     }
 }
 
-/// Whether the first objective is below the baseline's, where that has one.
-fn gains(Tuning { effort, objectives, .. }: &Tuning) -> bool {
+/// Whether a method that is for fronts had one objective; random search is for anything.
+fn one_objective(Tuning { effort, objectives, .. }: &Tuning) -> Option<Warning> {
+    let row = optimize::algorithm(&effort.algorithm).ok()?;
+    let for_fronts = row.maximum_objectives > 1 && row.maximum_objectives < usize::MAX;
+    (for_fronts && objectives.iter().len() == 1).then(|| Warning::OneObjective { algorithm: row.name.to_owned() })
+}
+
+/// Whether the first objective is below the baseline's, where that has one that meets the constraints.
+fn gains(Tuning { effort, objectives, constraints, .. }: &Tuning) -> bool {
     let Some((name, tuned)) = objectives.iter().next() else { return true };
     // Of several objectives the recommended member is a compromise; the report of the front says how it compares.
-    if objectives.iter().len() > 1 {
+    if objectives.iter().len() > 1 || constraints.iter().any(|c| !c.met_by_baseline()) {
         return true;
     }
     let baseline = effort.baseline.objectives.as_ref().and_then(|o| o.get(name));
@@ -91,6 +108,15 @@ impl fmt::Display for Warning {
             ),
             Self::FailsOnHeldOut => f.write_str(
                 "the filter with the tuned parameters fails on held-out data (keep yours, or narrow the bounds)",
+            ),
+            Self::OneObjective { algorithm } => write!(
+                f,
+                "{algorithm} searches for a front, and of one objective there is none (give a second one, or an algorithm \
+                 such as pso, which finds one optimum sooner)"
+            ),
+            Self::OneMember => f.write_str(
+                "the front has one member, which is the best in every objective at once (the objectives do not conflict, \
+                 or the search was too short)",
             ),
             Self::Failures { failed, evaluations } => write!(
                 f,

@@ -10,6 +10,7 @@ mod command;
 mod evaluate;
 mod examples;
 mod filter;
+mod front;
 mod gpu;
 mod tune;
 mod validation;

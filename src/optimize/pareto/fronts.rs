@@ -46,10 +46,10 @@ fn sweep(scores: &Scores, members: Vec<usize>, rank: &mut [usize]) -> usize {
         members.into_iter().map(|i| ([scores.costs(i)[0], scores.costs(i)[last_objective]], i)).collect();
     keyed.sort_unstable_by(|(a, _), (b, _)| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     let mut newest: Vec<f64> = Vec::new();
-    let mut previous = None;
+    let mut previous: Option<([f64; 2], usize)> = None;
     for (costs, i) in keyed {
         rank[i] = match previous {
-            Some((equal, front)) if equal == costs => front,
+            Some((before, front)) if lexicographic(&before, &costs).is_eq() => front,
             _ => newest.partition_point(|last| *last <= costs[1]),
         };
         if rank[i] == newest.len() {
@@ -69,7 +69,7 @@ fn by_trees(scores: &Scores, mut members: Vec<usize>, rank: &mut [usize]) -> usi
     let mut previous: Option<usize> = None;
     for i in members {
         let costs = scores.costs(i);
-        if let Some(equal) = previous.filter(|p| scores.costs(*p) == costs) {
+        if let Some(equal) = previous.filter(|p| lexicographic(scores.costs(*p), costs).is_eq()) {
             rank[i] = rank[equal];
             continue;
         }

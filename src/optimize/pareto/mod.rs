@@ -67,6 +67,11 @@ impl Scores {
         self.violation[i] = one.violation[0];
     }
 
+    /// Whether there is one cost an objective and candidate: a state read from a file may not have.
+    pub(super) const fn is_whole(&self) -> bool {
+        matches!(self.violation.len().checked_mul(self.objectives), Some(costs) if costs == self.costs.len())
+    }
+
     /// Number of objectives.
     #[must_use]
     pub const fn objectives(&self) -> usize {

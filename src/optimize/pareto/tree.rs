@@ -9,8 +9,8 @@ enum Node<'a> {
     Split {
         coordinate: usize,
         at: f64,
-        low: Box<Node<'a>>,
-        high: Box<Node<'a>>,
+        low: Box<Self>,
+        high: Box<Self>,
     },
 }
 

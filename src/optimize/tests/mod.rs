@@ -13,13 +13,27 @@ const fn settings(population: usize, generations: usize, seed: u64) -> Settings 
     Settings { population, generations, seed, objectives: 1, evaluations: None }
 }
 
-/// Every population asked for and the best cost seen.
-fn drive(optimizer: &mut dyn Optimizer, mock: &mut Mock) -> (Vec<Population>, f64) {
-    let (mut populations, mut best) = (Vec::new(), f64::INFINITY);
+/// All candidates of the next generation, in as many parts as it has, and the best cost among them.
+fn generation(optimizer: &mut dyn Optimizer, mock: &mut Mock) -> Option<(Population, f64)> {
+    let (mut whole, mut best) = (None::<Population>, f64::INFINITY);
     while let Some(population) = optimizer.ask() {
         let costs = mock.evaluate(&population);
         best = (0..costs.len()).map(|i| costs.costs(i)[0]).fold(best, f64::min);
         optimizer.tell(&population, &costs);
+        let whole = whole.get_or_insert_with(|| Population::new(population.dimension()));
+        population.rows().for_each(|row| whole.push(row));
+        if optimizer.generation_finished() {
+            break;
+        }
+    }
+    whole.map(|whole| (whole, best))
+}
+
+/// The candidates of every generation and the best cost seen.
+fn drive(optimizer: &mut dyn Optimizer, mock: &mut Mock) -> (Vec<Population>, f64) {
+    let (mut populations, mut best) = (Vec::new(), f64::INFINITY);
+    while let Some((population, cost)) = generation(optimizer, mock) {
+        best = best.min(cost);
         populations.push(population);
     }
     (populations, best)
@@ -168,7 +182,7 @@ fn wrong_use_says_what_to_do() {
     let message = |name, space: &Space, settings| build(name, space, &settings).err().expect("an error").to_string();
     assert_eq!(
         message("psso", &space, settings(9, 1, 1)),
-        "unknown algorithm \"psso\" (did you mean \"pso\"?): expected one of pso, pso-inertia, pio, pio-printed, pio+, nsga2, nsga2-study, random"
+        "unknown algorithm \"psso\" (did you mean \"pso\"?): expected one of pso, pso-inertia, pio, pio-printed, pio+, nsga2, nsga2-study, moma, moma-annealed, random"
     );
     assert!(
         message("simulated-annealing", &space, settings(9, 1, 1))

@@ -15,9 +15,7 @@ fn built(name: &str, settings: Settings) -> Box<dyn Optimizer> {
 fn states(name: &str, settings: Settings) -> (Vec<Vec<u8>>, Vec<Population>) {
     let (mut optimizer, mut mock) = (built(name, settings), Mock::new(Landscape::Rastrigin));
     let (mut states, mut populations) = (Vec::new(), Vec::new());
-    while let Some(population) = optimizer.ask() {
-        let costs = mock.evaluate(&population);
-        optimizer.tell(&population, &costs);
+    while let Some((population, _)) = generation(optimizer.as_mut(), &mut mock) {
         states.push(optimizer.save().expect(name));
         populations.push(population);
     }

@@ -3,6 +3,7 @@
 mod bench;
 mod candidates;
 mod checkpoint;
+mod compare;
 mod console;
 #[cfg(feature = "gpu")]
 mod devices;
@@ -10,6 +11,7 @@ mod evaluate;
 mod evaluator;
 mod files;
 mod filter;
+mod held_out;
 mod init;
 mod interrupt;
 mod load;
@@ -58,6 +60,7 @@ enum Verb {
     Tape(tape::Tape),
     Simulate(simulate::Simulate),
     Evaluate(evaluate::Evaluate),
+    Compare(compare::Compare),
     Bench(bench::Bench),
     #[cfg(feature = "gpu")]
     Devices(devices::Devices),
@@ -114,6 +117,7 @@ impl Verb {
             Self::Tape(verb) => verb.run(console),
             Self::Simulate(verb) => verb.run(console),
             Self::Evaluate(verb) => verb.run(console),
+            Self::Compare(verb) => verb.run(console),
             Self::Bench(verb) => verb.run(console),
             #[cfg(feature = "gpu")]
             Self::Devices(verb) => verb.run(console),

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Named, raw_rmse, short, significant};
 use crate::data::{HeldOut, Log, Split, scoring_rows};
@@ -50,7 +50,7 @@ pub struct Validation {
 }
 
 /// The size of a part of the log.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Part {
     /// Rows.
     pub rows: usize,

@@ -7,6 +7,7 @@ mod bad_input;
 mod bench;
 mod checkpoint;
 mod command;
+mod compare;
 mod evaluate;
 mod examples;
 mod filter;

@@ -20,6 +20,7 @@ mod overrides;
 mod paths;
 mod pictures;
 mod progress;
+mod reproduce;
 mod results;
 #[cfg(feature = "gpu")]
 mod shader;
@@ -62,6 +63,7 @@ enum Verb {
     Evaluate(evaluate::Evaluate),
     Compare(compare::Compare),
     Bench(bench::Bench),
+    Reproduce(reproduce::Reproduce),
     #[cfg(feature = "gpu")]
     Devices(devices::Devices),
     #[cfg(feature = "gpu")]
@@ -119,6 +121,7 @@ impl Verb {
             Self::Evaluate(verb) => verb.run(console),
             Self::Compare(verb) => verb.run(console),
             Self::Bench(verb) => verb.run(console),
+            Self::Reproduce(verb) => verb.run(console),
             #[cfg(feature = "gpu")]
             Self::Devices(verb) => verb.run(console),
             #[cfg(feature = "gpu")]

@@ -3,6 +3,7 @@
 //! Every optimiser is one file and one row of [`ALGORITHMS`]. All of them draw from [`random::Stream`] with one stream
 //! per (generation, candidate), so a result depends on the seed alone.
 
+pub mod indicators;
 pub mod memetic;
 pub mod nelder_mead;
 pub mod nsga2;

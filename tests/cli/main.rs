@@ -13,5 +13,6 @@ mod examples;
 mod filter;
 mod front;
 mod gpu;
+mod reproduce;
 mod tune;
 mod validation;

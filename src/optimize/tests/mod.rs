@@ -1,5 +1,6 @@
 //! The whole registry on the mock evaluator.
 
+mod fronts;
 mod local;
 mod refuelling;
 mod saved;

@@ -2,6 +2,7 @@
 
 mod bench;
 mod candidates;
+mod check;
 mod console;
 #[cfg(feature = "gpu")]
 mod devices;
@@ -51,6 +52,7 @@ const EXIT_CODES: &str = "Exit codes: 0 done; 1 ran, but the result is not usabl
 enum Verb {
     Tune(tune::Tune),
     Filter(filter::Filter),
+    Check(check::Check),
     Init(init::Init),
     Tape(tape::Tape),
     Simulate(simulate::Simulate),
@@ -107,6 +109,7 @@ impl Verb {
         match self {
             Self::Tune(verb) => verb.run(console),
             Self::Filter(verb) => verb.run(console),
+            Self::Check(verb) => verb.run(console),
             Self::Init(verb) => verb.run(console),
             Self::Tape(verb) => verb.run(console),
             Self::Simulate(verb) => verb.run(console),

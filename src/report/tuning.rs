@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Bound, Consistency, Evidence, Matrices, Named, Warning, matrices, raw_rmse};
+use super::{Bound, Consistency, Evidence, Matrices, Named, Uncertainty, Warning, matrices, raw_rmse};
 use crate::data::Log;
 use crate::evaluate::Device;
 use crate::model::Problem;
@@ -197,6 +197,8 @@ impl Tuning {
             evidence.add(trajectory, step);
             matrices::keep_complete_gain(&mut last_gain, step, log.measurements.len());
         })?;
+        let mut consistency = evidence.judge(problem, &winner.candidate);
+        consistency.uncertainty = Uncertainty::of(problem, log, &winner.candidate);
         let at_bound = problem
             .parameters
             .searched()
@@ -211,7 +213,7 @@ impl Tuning {
             objectives: objectives(problem, &winner.objectives),
             measured_rows: evidence.measured_rows(),
             validation: None,
-            consistency: evidence.judge(problem, &winner.candidate),
+            consistency,
             certificate: Certificate::of(problem, &winner.certificate),
             front: None,
             polish: winner.polish.as_ref().map(|polish| Polish::of(problem, polish)),

@@ -10,4 +10,5 @@ mod rules;
 mod simulated;
 mod smoother;
 mod support;
+mod uncertainty;
 mod values;

@@ -2,6 +2,7 @@
 
 mod bench;
 mod candidates;
+mod check;
 mod checkpoint;
 mod compare;
 mod console;
@@ -57,6 +58,7 @@ enum Verb {
     // Boxed, because it has many more flags than the others.
     Tune(Box<tune::Tune>),
     Filter(filter::Filter),
+    Check(check::Check),
     Init(init::Init),
     Tape(tape::Tape),
     Simulate(simulate::Simulate),
@@ -115,6 +117,7 @@ impl Verb {
         match self {
             Self::Tune(verb) => verb.run(console),
             Self::Filter(verb) => verb.run(console),
+            Self::Check(verb) => verb.run(console),
             Self::Init(verb) => verb.run(console),
             Self::Tape(verb) => verb.run(console),
             Self::Simulate(verb) => verb.run(console),

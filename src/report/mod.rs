@@ -13,6 +13,7 @@ mod matrices;
 mod named;
 mod number;
 mod raw;
+mod rmse;
 mod run_csv;
 mod table;
 mod text;
@@ -22,7 +23,9 @@ mod warnings;
 
 pub use bound::Bound;
 pub use compare::{CompareError, Comparison, Run, RunBaseline, RunConsistency, RunError, RunValidation};
-pub use consistency::{Consistency, Evidence, Finding, Nees, Verdict, Whiteness};
+pub use consistency::{
+    Consistency, Evidence, Finding, FlatDirection, Nees, NisDistribution, Uncertainty, Verdict, Whiteness,
+};
 pub use constraint::{ConstraintCheck, constraint_checks, unmet};
 pub use effort::{Effort, LogFacts, Nothing, Scored};
 pub use front::{FrontPoint, FrontSummary, front, write_front};
@@ -31,7 +34,8 @@ pub use matrices::{Gain, Matrices, Matrix};
 pub use named::Named;
 pub use number::{count, exact, seconds, short, significant};
 pub use raw::raw_rmse;
-pub use run_csv::{Covariance, RunTable};
+pub use rmse::StateErrors;
+pub use run_csv::{Columns, Covariance, RunTable};
 pub use table::TextTable;
 pub use tuning::{Certificate, Polish, Tuning};
 pub use validation::{Part, Rows, Validation};

@@ -6,7 +6,7 @@ use super::effort::{objectives, parameters};
 use super::validation::Trained;
 use super::{
     Bound, Consistency, ConstraintCheck, Effort, Evidence, FrontPoint, FrontSummary, Matrices, Named, Rows, Scored,
-    Validation, Warning, constraint_checks, front, matrices, raw_rmse,
+    Uncertainty, Validation, Warning, constraint_checks, front, matrices, raw_rmse,
 };
 use crate::data::{HeldOut, Split};
 use crate::model::Problem;
@@ -111,6 +111,9 @@ impl Tuning {
         let from = vec![0; log.trajectories.len()];
         let raw = problem.tune.objectives.iter().filter_map(|o| Some((o.name(), raw_rmse(problem, log, &from, o)?)));
         let held_out = split.held_out.as_ref().and_then(|held| on_held_out(problem, held, &winner.candidate));
+        let mut consistency = held_out.as_ref().unwrap_or(&evidence).judge(problem, &winner.candidate);
+        // How well the parameters are determined is a matter of the rows that determined them.
+        consistency.uncertainty = Uncertainty::of(problem, log, &winner.candidate);
         let consistency_on = if held_out.is_some() { Rows::HeldOut } else { Rows::InSample };
         let (points, summary) = front(problem, outcome, split.held_out.as_ref()).unzip();
         let mut tuning = Self {
@@ -120,7 +123,7 @@ impl Tuning {
             objectives: objectives(problem, &winner.objectives),
             measured_rows: evidence.measured_rows(),
             validation: validation(problem, split, &effort.baseline, winner),
-            consistency: held_out.as_ref().unwrap_or(&evidence).judge(problem, &winner.candidate),
+            consistency,
             consistency_on,
             certificate: Certificate::of(problem, &winner.certificate),
             constraints: constraint_checks(problem, outcome),

@@ -16,6 +16,19 @@ pub(super) fn title(effort: &Effort) -> Option<String> {
 
 pub(super) fn parameters(tuning: &Tuning) -> Option<String> {
     let effort = &tuning.effort;
+    let uncertainty = &tuning.consistency.uncertainty;
+    let error = |name: &str| match uncertainty.standard_errors.as_ref().and_then(|errors| errors.get(name)) {
+        Some(error) if error.is_finite() => significant(*error, 3),
+        Some(_) => "-".to_owned(),
+        None => String::new(),
+    };
+    let interval = |name: &str| match uncertainty.intervals_95.as_ref().and_then(|intervals| intervals.get(name)) {
+        Some([low, high]) if low.is_finite() && high.is_finite() => {
+            format!("{} to {}", significant(*low, 4), significant(*high, 4))
+        }
+        Some(_) => "-".to_owned(),
+        None => String::new(),
+    };
     let row = |(name, tuned): (&str, &f64)| {
         let bounds = effort.bounds.get(name).copied().flatten();
         let bound = tuning.at_bound.get(name).map(|bound| format!("at its {bound} bound"));
@@ -25,12 +38,22 @@ pub(super) fn parameters(tuning: &Tuning) -> Option<String> {
             effort.units.get(name).cloned().flatten().map_or_else(String::new, |unit| plain(&unit)),
             effort.baseline.parameters.get(name).map_or_else(String::new, |v| short(*v, DIGITS)),
             short(*tuned, DIGITS),
+            error(name),
+            interval(name),
             bounds.map_or_else(|| "none".to_owned(), |[min, max]| format!("{} to {}", short(min, 6), short(max, 6))),
             [bound, truth].into_iter().flatten().collect::<Vec<_>>().join("; "),
         ]
     };
     let rows: Vec<Vec<String>> = tuning.parameters.iter().map(row).collect();
-    Some(format!("## Parameters\n\n{}", table(&["parameter", "unit", "start", "tuned", "bounds", "note"], &rows)))
+    let header = ["parameter", "unit", "start", "tuned", "standard error", "95 % interval", "bounds", "note"];
+    let mut text = format!("## Parameters\n\n{}", table(&header, &rows));
+    if let Some(note) = &uncertainty.standard_errors_note {
+        text += &format!("\n\nStandard errors: {}.", plain(note.trim_end_matches('.')));
+    }
+    for flat in uncertainty.flat_directions.iter().flatten() {
+        text += &format!("\n\n{}.", plain(flat.statement.trim_end_matches('.')));
+    }
+    Some(text)
 }
 
 pub(super) fn objectives(tuning: &Tuning) -> Option<String> {
@@ -128,6 +151,11 @@ pub(super) fn consistency(tuning: &Tuning) -> Option<String> {
             band,
             format!("{} rows with truth", count(nees.rows as u64)),
         ]);
+    }
+    if let Some(tails) = &c.nis_distribution {
+        let share = |share: f64| format!("{} %", short(100.0 * share, 3));
+        let band = format!("{} to {}", share(tails.above_95_low), share(tails.above_95_high));
+        rows.push(vec!["rows above their 95 % quantile of NIS".to_owned(), share(tails.above_95), band, String::new()]);
     }
     for w in c.whiteness.iter().filter(|w| w.is_tested()) {
         let name = format!("autocorrelation of {}, lag 1", plain(&w.measurement));

@@ -92,6 +92,10 @@ pub(super) fn drawn(folder: &OutFolder) -> Vec<Picture> {
 /// What a picture shows, for somebody who has not seen the tool.
 fn caption(name: &str) -> &'static str {
     match name {
+        "front.svg" => "The front: what each member offers, with the start values, the knee and the ends marked.",
+        "parameters.svg" => "Parameters of the front's members, a line each.",
+        "hypervolume.svg" => "The search: the volume that its front dominates.",
+        "errors.svg" => "Errors of the estimates against the truth, with the 3-sigma band of the filter.",
         "convergence.svg" => "The search: the best cost so far and the spread of each generation.",
         "landscape.svg" => "The cost around the tuned parameters, with the start values marked.",
         "estimates.svg" => "Measurements and the tuned filter's estimates with their 3-sigma band.",

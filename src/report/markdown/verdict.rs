@@ -95,7 +95,7 @@ fn held_out(tuning: &Tuning) -> String {
     let gap = |(name, gap): (&str, &Option<f64>)| format!("`{name}` {}", improvement_text(name, *gap));
     let gaps: Vec<String> = validation.overfit_gap.iter().map(gap).collect();
     format!(
-        "{} Held out: {}. The overfit gap, the improvement on the rows tuned on less that on the held-out rows, is {}.",
+        "{} In detail: {}. The overfit gap, the improvement on the rows tuned on less that on the held-out rows, is {}.",
         validation.sentence(),
         plain(&validation.to_string()).replace("\\`", "`"),
         gaps.join("; ")

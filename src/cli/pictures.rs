@@ -15,10 +15,11 @@ use crate::study::{Outcome, Winner};
 const FOLDER: &str = "figures";
 
 /// Every picture there may be. One that a run does not draw is removed, so that none is left of an earlier run.
-const NAMES: [&str; 7] = [
+const NAMES: [&str; 8] = [
     "convergence.svg",
     "landscape.svg",
     "estimates.svg",
+    "errors.svg",
     "innovations.svg",
     "nis.svg",
     "autocorrelation.svg",
@@ -77,13 +78,15 @@ fn of_run(problem: &Problem, log: &Log, candidate: &[f64], whiteness: &[Whitenes
         let rows = smoothed.ok().and_then(|mut all| (trajectory < all.len()).then(|| all.swap_remove(trajectory)));
         record.add_smoothed(rows.iter().flatten().map(|row| (row.time, &row.estimate)));
     }
-    Ok(vec![
+    let mut pictures = vec![
         ("estimates.svg", record.estimates()),
         ("innovations.svg", record.innovations()),
         ("nis.svg", record.nis()),
         ("autocorrelation.svg", autocorrelation(problem, whiteness)),
         ("histogram.svg", record.histogram()),
-    ])
+    ];
+    pictures.extend(record.errors().map(|errors| ("errors.svg", errors)));
+    Ok(pictures)
 }
 
 fn write(folder: &Path, pictures: &Pictures) -> anyhow::Result<()> {

@@ -20,7 +20,7 @@ use crate::report::{Named, exact};
 /// Score given candidates: CSV in, CSV of costs out, in the same order.
 ///
 /// The input's header names the searched parameters, in any order; values are in their own units. The answer has one
-/// column per objective and `status`: 0 = usable, 1 = a covariance was not positive, 2 = a cost was not finite (bits
+/// column per objective, `violation` if the problem has constraints (0 = feasible), and `status`: 0 = usable, 1 = a covariance was not positive, 2 = a cost was not finite (bits
 /// add up). A candidate that failed costs 1.7976931348623157e308, the worst finite number.
 ///
 /// With `-` candidates are answered as they arrive, line by line, as long as the input lasts: one process serves a
@@ -50,6 +50,9 @@ pub(super) struct Evaluate {
 #[derive(Debug, Serialize)]
 struct Costs {
     objectives: Named<Vec<f64>>,
+    /// How far each is from satisfying the constraints, where there are any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    violation: Option<Vec<f64>>,
     status: Vec<u32>,
     device: Device,
 }
@@ -70,10 +73,11 @@ impl Evaluate {
         let mut candidates =
             Candidates::open(self.input(from_stdin)?, &self.source(from_stdin), &problem.parameters.names())?;
         let names = problem.tune.objectives.iter().map(Objective::name).collect::<Vec<_>>();
+        let constrained = !problem.tune.constraints.is_empty();
         if self.json {
-            files::print_json(&collect(&mut candidates, &mut evaluator, names)?)?;
+            files::print_json(&collect(&mut candidates, &mut evaluator, names, constrained)?)?;
         } else {
-            answer(&mut candidates, &mut evaluator, &names)?;
+            answer(&mut candidates, &mut evaluator, &names, constrained)?;
         }
         Ok(Ending::Done)
     }
@@ -111,38 +115,54 @@ impl Evaluate {
 }
 
 /// Answers batch by batch; each answer is flushed, because whoever asked may be waiting for it.
-fn answer(candidates: &mut Candidates<impl Read>, evaluator: &mut dyn Evaluator, names: &[&str]) -> anyhow::Result<()> {
+fn answer(
+    candidates: &mut Candidates<impl Read>,
+    evaluator: &mut dyn Evaluator,
+    names: &[&str],
+    constrained: bool,
+) -> anyhow::Result<()> {
     let mut out = io::BufWriter::new(io::stdout().lock());
-    writeln!(out, "{},status", names.join(","))?;
+    writeln!(out, "{},{}status", names.join(","), if constrained { "violation," } else { "" })?;
     out.flush()?;
     while let Some(batch) = candidates.next_batch()? {
         let evaluation = evaluator.evaluate(&batch);
-        (0..batch.len()).try_for_each(|i| write_row(&evaluation, i, &mut out))?;
+        (0..batch.len()).try_for_each(|i| write_row(&evaluation, i, constrained, &mut out))?;
         out.flush()?;
     }
     Ok(())
 }
 
-fn write_row(evaluation: &Evaluation, i: usize, out: &mut impl Write) -> io::Result<()> {
+fn write_row(evaluation: &Evaluation, i: usize, constrained: bool, out: &mut impl Write) -> io::Result<()> {
     for cost in evaluation.costs(i) {
         write!(out, "{},", exact(*cost))?;
     }
+    if constrained {
+        write!(out, "{},", exact(finite_violation(evaluation, i)))?;
+    }
     writeln!(out, "{}", evaluation.status(i).bits())
+}
+
+/// As the cost of a failed candidate, an infinite violation is the worst finite number.
+fn finite_violation(evaluation: &Evaluation, i: usize) -> f64 {
+    evaluation.violation(i).min(Evaluation::FAILED)
 }
 
 fn collect(
     candidates: &mut Candidates<impl Read>,
     evaluator: &mut dyn Evaluator,
     names: Vec<&str>,
+    constrained: bool,
 ) -> anyhow::Result<Costs> {
     let mut costs = vec![Vec::new(); names.len()];
+    let mut violation = constrained.then(Vec::new);
     let mut status = Vec::new();
     while let Some(batch) = candidates.next_batch()? {
         let evaluation = evaluator.evaluate(&batch);
         for i in 0..batch.len() {
             costs.iter_mut().zip(evaluation.costs(i)).for_each(|(column, cost)| column.push(*cost));
             status.push(evaluation.status(i).bits());
+            violation.iter_mut().for_each(|column| column.push(finite_violation(&evaluation, i)));
         }
     }
-    Ok(Costs { objectives: Named::new(names, costs), status, device: evaluator.device() })
+    Ok(Costs { objectives: Named::new(names, costs), violation, status, device: evaluator.device() })
 }

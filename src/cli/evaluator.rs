@@ -12,6 +12,8 @@ use crate::model::Problem;
 
 #[cfg(feature = "gpu")]
 mod on_gpu;
+#[cfg(feature = "gpu")]
+pub(super) use on_gpu::adapter_of;
 
 /// Candidate-rows x operations of a step from which `auto` looks for a GPU. The lanes do about 2e9 to 4e9 a second and
 /// core, so this is a few seconds of two cores; finding, opening and compiling for a GPU takes about half a second.
@@ -35,8 +37,7 @@ impl Notices {
     }
 
     /// Prints a warning and keeps it.
-    #[cfg_attr(not(feature = "gpu"), expect(dead_code, reason = "only GPUs give reason for a warning"))]
-    fn warn(&self, sentence: &str) {
+    pub(super) fn warn(&self, sentence: &str) {
         self.console.warn(sentence);
         self.said.lock().unwrap_or_else(PoisonError::into_inner).push(sentence.to_owned());
     }
@@ -88,6 +89,16 @@ impl Chosen {
         Ok(Self { evaluator, notices })
     }
 
+    /// Says where the costs of a resumed search come from, if that is another kind of device than before.
+    pub(super) fn say_if_not(&self, before: &Device) {
+        let now = self.evaluator.device();
+        if now.backend != before.backend {
+            let name = |device: &Device| format!("the {} ({})", device.backend.to_uppercase(), device.adapter);
+            let (ran, runs, format) = (name(before), name(&now), &now.precision);
+            self.notices.warn(&format!("the search ran on {ran}: going on in {format} on {runs}"));
+        }
+    }
+
     /// Whether polish, a search in f64 of a few candidates at a time, can use it too.
     pub(super) fn can_polish(&self) -> bool {
         let Device { backend, precision, .. } = self.evaluator.device();
@@ -107,6 +118,12 @@ impl Evaluator for Chosen {
     fn device(&self) -> Device {
         self.evaluator.device()
     }
+}
+
+/// No adapter is here to have run on.
+#[cfg(not(feature = "gpu"))]
+pub(super) const fn adapter_of(_description: &str) -> Option<String> {
+    None
 }
 
 /// Rows x candidates x operations of a step.

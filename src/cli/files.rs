@@ -60,11 +60,8 @@ impl Destination {
         match out {
             None => Ok(Self::Stdout),
             Some(path) if path == Path::new("-") => Ok(Self::Stdout),
-            Some(path) if path.is_dir() => {
-                anyhow::bail!("cannot write {}: it is a folder (name a file in it)", path.display())
-            }
             Some(path) => {
-                try_writing_in(folder_of(path))?;
+                prepare_file(path)?;
                 Ok(Self::File(path.to_path_buf()))
             }
         }
@@ -147,6 +144,12 @@ fn fill_file(path: &Path, fill: impl FnOnce(&mut dyn Write) -> anyhow::Result<()
     fill(&mut out)?;
     out.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
     Ok(())
+}
+
+/// Whether a file can be written here; its folder is tried.
+pub(super) fn prepare_file(path: &Path) -> anyhow::Result<()> {
+    anyhow::ensure!(!path.is_dir(), "cannot write {}: it is a folder (name a file in it)", path.display());
+    try_writing_in(folder_of(path))
 }
 
 fn try_writing_in(folder: &Path) -> anyhow::Result<()> {

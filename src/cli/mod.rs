@@ -2,6 +2,7 @@
 
 mod bench;
 mod candidates;
+mod checkpoint;
 mod console;
 #[cfg(feature = "gpu")]
 mod devices;

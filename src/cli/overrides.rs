@@ -6,7 +6,7 @@
 use anyhow::anyhow;
 use toml_edit::{Array, DocumentMut, InlineTable, Item, TableLike, Value, value};
 
-use crate::model::{Problem, ProblemError};
+use crate::model::{Problem, ProblemError, SplitBy};
 
 /// A key with its new value, and the flag that asked for it.
 #[derive(Debug, Clone)]
@@ -30,6 +30,18 @@ impl Override {
         Self { path, value: value.into(), flag: flag.to_owned() }
     }
 
+    /// `--validate`, which leaves alone what is held out by.
+    pub(super) fn validate(share: f64, by: Option<SplitBy>) -> Self {
+        let value = match by {
+            None => share.into(),
+            Some(by) => {
+                let by = if by == SplitBy::Time { "time" } else { "trajectory" };
+                Value::InlineTable([("share", Value::from(share)), ("by", by.into())].into_iter().collect())
+            }
+        };
+        Self { path: &["data", "validate"], value, flag: format!("--validate {share}") }
+    }
+
     /// `--objectives`: an objective that the file names keeps the options it has there.
     pub(super) fn objectives(problem: &Problem, names: &[String]) -> Self {
         let existing = existing_objectives(&problem.text);
@@ -39,6 +51,33 @@ impl Override {
         };
         let value: Array = names.iter().map(options_of).collect();
         Self { path: &["tune", "objectives"], value: value.into(), flag: format!("--objectives {}", names.join(",")) }
+    }
+}
+
+impl Override {
+    /// `--constraint`, given once or several times.
+    pub(super) fn constraints(bounds: &[String]) -> Self {
+        let value: Array = bounds.iter().map(|bound| Value::from(bound.trim())).collect();
+        let flag = bounds.iter().map(|bound| format!("--constraint '{bound}'")).collect::<Vec<_>>().join(" ");
+        Self { path: &["tune", "constraints"], value: value.into(), flag }
+    }
+
+    /// `--pick`: a word, or `objective=weight` pairs.
+    pub(super) fn pick(text: &str) -> Self {
+        let flag = format!("--pick {text}");
+        let path = &["tune", "pick"];
+        if !text.contains('=') {
+            return Self { path, value: text.into(), flag };
+        }
+        let mut weights = InlineTable::new();
+        for pair in text.split(',') {
+            let (name, weight) = pair.split_once('=').unwrap_or((pair, ""));
+            // What is no number is refused where the problem is read, by the sentence it has there.
+            let weight = weight.trim().parse::<f64>().map_or_else(|_| Value::from(weight.trim()), Value::from);
+            weights.insert(name.trim(), weight);
+        }
+        let value = InlineTable::from_iter([("weights", Value::from(weights))]);
+        Self { path, value: value.into(), flag }
     }
 }
 
@@ -116,6 +155,20 @@ mod tests {
         let seed = Override::new("--seed", &["tune", "seed"], 9);
         let target = Override::new("--target", &["tune", "stop", "target"], 1.5);
         assert_eq!(edited(text, &[seed, target]), "[tune]\nseed = 9 # mine\nstop = { stall = 3 , target = 1.5 }\n");
+    }
+
+    #[test]
+    fn a_share_replaces_any_form_of_the_key() {
+        for text in
+            ["", "[data]\nvalidate = 0.1\n", "[data]\nvalidate = { share = 0.1 }\n", "[data.validate]\nshare = 0.1\n"]
+        {
+            let read =
+                |change: Override| edited(text, &[change]).parse::<toml::Table>().unwrap()["data"]["validate"].clone();
+            assert_eq!(read(Override::validate(0.4, None)).as_float(), Some(0.4), "{text:?}");
+            assert_eq!(read(Override::validate(0.4, Some(SplitBy::Time)))["by"].as_str(), Some("time"), "{text:?}");
+            let none = Override::switch("--no-validate", &["data", "validate"], false);
+            assert_eq!(read(none).as_bool(), Some(false), "{text:?}");
+        }
     }
 
     #[test]

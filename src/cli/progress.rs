@@ -29,7 +29,8 @@ impl Observer for Progress {
         let Some(bar) = &self.bar else { return };
         let rate = row.evaluations as f64 / row.seconds.max(1e-9);
         let best = row.best.map_or_else(|| "none usable yet".to_owned(), |cost| significant(cost, 7));
-        bar.set_message(format!("best {} {best}, {} evaluations/s", self.objective, significant(rate, 3)));
+        let front = row.front.map_or_else(String::new, |members| format!(", front of {members}"));
+        bar.set_message(format!("best {} {best}{front}, {} evaluations/s", self.objective, significant(rate, 3)));
         bar.set_position(row.generation as u64);
     }
 }

@@ -2,23 +2,24 @@
 
 use std::path::PathBuf;
 
-use anyhow::anyhow;
+use anyhow::{anyhow, bail};
 use clap::Args;
 
+use super::checkpoint::{self, Keeper, Resumed};
 use super::console::{self, Console};
 use super::evaluator::Chosen;
 use super::files::{self, OutFolder};
-use super::load::{self, Loaded};
+use super::load::{self, Loaded, Origin};
 use super::options::Compute;
 use super::overrides::{self, Override};
 use super::progress::Progress;
 use super::{Ending, interrupt, pictures, results};
-use crate::data::Log;
+use crate::data::{Log, Split};
 use crate::evaluate::{CpuEvaluator, CpuOptions, Evaluator, Precision};
 use crate::model::{Problem, TuneSpec};
 use crate::reference;
-use crate::report::{Effort, Tuning};
-use crate::study::{self, Judge, Observer, Outcome, StopReason, Study};
+use crate::report::{Effort, LogFacts, Tuning, unmet, write_front};
+use crate::study::{self, CheckpointFile, Judge, Observer, Outcome, StopReason, Study};
 
 /// Search the parameters of a filter on a log, and report how much better the best found is.
 ///
@@ -34,6 +35,16 @@ pub(super) struct Tune {
     #[arg(long, value_name = "FILE")]
     data: Option<String>,
 
+    /// Constraint on the winner, such as 'nis_mean <= 1.2' or 'rmse <= 5'; may be given several times (default: the
+    /// file's `tune.constraints`, which these replace).
+    #[arg(long = "constraint", value_name = "BOUND")]
+    constraints: Vec<String>,
+
+    /// Member of the front to recommend, with several objectives: `knee`, the name of an objective for the best in it, or
+    /// weights such as nll=0.7,rmse=0.3 (default: the file's `tune.pick`, or knee).
+    #[arg(long, value_name = "PICK")]
+    pick: Option<String>,
+
     /// Optimiser: pso, pso-inertia, pio, pio-printed, pio+, random (default: the file's `tune.algorithm`), to compare searches.
     #[arg(long, value_name = "NAME")]
     algorithm: Option<String>,
@@ -47,12 +58,27 @@ pub(super) struct Tune {
     search: Search,
 
     #[command(flatten)]
+    trust: Trust,
+
+    #[command(flatten)]
     compute: Compute,
 
-    /// Folder for result.json, tuned.toml (a problem file ready to run), history.csv and figures/ (pictures of the search
-    /// and of the tuned filter as SVG) (default: none is written); it is made if need be, and tried before the search starts so that no result is lost.
+    /// Folder for result.json, tuned.toml (a problem file ready to run), history.csv, checkpoint.kfgpu and figures/ (SVG
+    /// pictures of the search and of the tuned filter) (default: none is written); it is made if need be, and tried before
+    /// the search starts so that no result is lost.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+
+    /// File to resume from, written after every generation (default: checkpoint.kfgpu in the folder of --out, or in
+    /// place of the one resumed from).
+    #[arg(long, value_name = "FILE")]
+    checkpoint: Option<PathBuf>,
+
+    /// Go on with the search of this checkpoint, or of the folder of --out that it is in, to the same bits as if it had
+    /// not been interrupted (default: start anew). It knows its problem and log; flags that only stop a search, or say
+    /// where it is computed, may be others.
+    #[arg(long, value_name = "FILE|DIR")]
+    resume: Option<PathBuf>,
 
     /// Print the result as one JSON object on stdout (default: a short report), for programs.
     #[arg(long)]
@@ -103,27 +129,86 @@ struct Search {
     no_start: bool,
 }
 
+/// What the result is judged on.
+#[derive(Debug, Args)]
+struct Trust {
+    /// Share of the log to hold out, above 0 and below 1: the search never sees it, and the result is scored on it
+    /// (default: the file's `data.validate`, or none). Several trajectories are held out whole, of one the last rows are,
+    /// and of a simulated log fresh realisations; `data.validate = { share = 0.3, by = "time" }` chooses.
+    #[arg(long, value_name = "SHARE", conflicts_with = "no_validate")]
+    validate: Option<f64>,
+
+    /// Hold nothing out, whatever the file's `data.validate` says (default: as the file says), to tune on every row.
+    #[arg(long)]
+    no_validate: bool,
+
+    /// Realisations of a simulated log that every candidate is scored on, pooled, so that nothing is tuned to one draw of
+    /// the noise (default: the file's `simulate.trajectories`).
+    #[arg(long, value_name = "R")]
+    realisations: Option<i64>,
+}
+
+impl Trust {
+    fn overrides(&self, problem: &Problem) -> impl Iterator<Item = Override> {
+        let by = problem.data.validate.and_then(|spec| spec.by);
+        let validate = self.validate.map(|share| Override::validate(share, by));
+        let none = self.no_validate.then(|| Override::switch("--no-validate", &["data", "validate"], false));
+        let realisations = self.realisations.map(|r| Override::new("--realisations", &["simulate", "trajectories"], r));
+        validate.into_iter().chain(none).chain(realisations)
+    }
+
+    /// Refuses realisations of a log that is not drawn.
+    fn check(&self, problem: &Problem, data: Option<&str>) -> anyhow::Result<()> {
+        let file = data.or(problem.data.file.as_deref());
+        if let (Some(_), Some(file)) = (self.realisations, file) {
+            bail!("--realisations: the log is read from {file}, and only one drawn from [simulate] has realisations");
+        }
+        Ok(())
+    }
+
+    /// Parts the log; an error of `--validate` names the flag.
+    fn split(&self, problem: &Problem, log: Log) -> anyhow::Result<Split> {
+        Split::of(problem, log).map_err(|error| match self.validate {
+            Some(share) => anyhow!("--validate {share}: {}", error.cause),
+            None => error.into(),
+        })
+    }
+}
+
+/// What is said of a log drawn once.
+const SINGLE_REALISATION: &str = "the log is a single simulated realisation, so what is tuned fits one draw of the noise \
+                                  (give --realisations 20, or `trajectories` in [simulate])";
+
 impl Tune {
     pub(super) fn run(&self, console: Console) -> anyhow::Result<Ending> {
-        let path = self.problem.as_deref();
-        let problem = load::problem(path)?;
-        let overrides = self.overrides(&problem);
-        let problem = overrides::apply(problem, &overrides)?;
-        let Loaded { problem, log, origin, warnings } = load::log_of(problem, path, self.data.as_deref(), console)?;
-        let folder = self.out.as_deref().map(OutFolder::prepare).transpose()?;
-        let (outcome, evaluator) = self.study(&problem, &log, console)?;
+        let resumed = self.resume.as_deref().map(Resumed::open).transpose()?;
+        let Loaded { problem, log, origin, warnings } = self.load(resumed.as_ref(), console)?;
+        let facts = LogFacts::of(&log);
+        let split = self.trust.split(&problem, log)?;
+        resumed.as_ref().map(|resumed| resumed.check(&problem, &split.train)).transpose()?;
+        let doubts = doubts(&problem, &split, &origin);
+        doubts.iter().for_each(|doubt| console.warn(doubt));
+        let folder = self.out.as_deref().or_else(|| resumed.as_ref()?.folder());
+        let folder = folder.map(OutFolder::prepare).transpose()?;
+        let kept_in = folder.as_ref().map(|folder| folder.path().join(checkpoint::NAME));
+        let kept_in = self.checkpoint.clone().or(kept_in).or_else(|| Some(resumed.as_ref()?.file().to_path_buf()));
+        let file = kept_in.map(|path| checkpoint::file(&path, &problem, &split.train, &origin)).transpose()?;
+        let (outcome, evaluator) = self.study(&problem, &split.train, resumed.as_ref(), file, console)?;
 
         let device = evaluator.device();
-        let warnings = [warnings, evaluator.notices.said()].concat();
+        let warnings = [warnings, doubts, evaluator.notices.said()].concat();
         let said = warnings.len();
-        let effort = Effort::of(&problem, &log, &outcome, device, warnings);
+        let effort = Effort::of(&problem, facts, &outcome, device, warnings);
         let Some(winner) = &outcome.winner else { return self.report_nothing(effort, &outcome, folder.as_ref()) };
-        let tuning = Tuning::of(effort, &problem, &log, winner)?;
+        let tuning = Tuning::of(effort, &problem, &split, (&outcome, winner))?;
         if let Some(folder) = &folder {
             results::write(folder, &tuning, &outcome.history)?;
+            if let Some(points) = &tuning.front {
+                folder.write("front.csv", |out| Ok(write_front(points, out)?))?;
+            }
             results::write_problem(folder, &problem, &winner.candidate, &origin)?;
             let whiteness = &tuning.consistency.whiteness;
-            pictures::write_tuning(folder, (&problem, &log), &outcome, winner, whiteness, self.compute.cpu())?;
+            pictures::write_tuning(folder, (&problem, &split.train), &outcome, winner, whiteness, self.compute.cpu())?;
         }
         if self.json {
             files::print_json(&tuning)?;
@@ -132,21 +217,57 @@ impl Tune {
         }
         tuning.effort.warnings[said..].iter().for_each(|warning| console.warn(warning));
         let interrupted = outcome.stop == StopReason::Interrupted;
+        if let Some(sentence) = unmet(&tuning.constraints) {
+            console::error(&anyhow!(sentence));
+            return Ok(if interrupted { Ending::Interrupted } else { Ending::NotUsable });
+        }
         Ok(if interrupted { Ending::Interrupted } else { Ending::Done })
     }
 
+    /// The problem with its flags, and its log; those of the checkpoint where no others are given.
+    fn load(&self, resumed: Option<&Resumed>, console: Console) -> anyhow::Result<Loaded> {
+        let path = self.problem.as_deref();
+        let of_checkpoint = resumed.filter(|_| path.is_none());
+        let problem = of_checkpoint.map_or_else(|| load::problem(path), Resumed::problem)?;
+        self.trust.check(&problem, self.data.as_deref())?;
+        let overrides = self.overrides(&problem);
+        let problem = overrides::apply(problem, &overrides)?;
+        let data = self.data.as_deref();
+        match of_checkpoint {
+            Some(resumed) => resumed.log(problem, data, console),
+            None => load::log_of(problem, path, data, console),
+        }
+    }
+
     /// Searches, with Ctrl-C asking for the best so far.
-    fn study(&self, problem: &Problem, log: &Log, console: Console) -> anyhow::Result<(Outcome, Chosen)> {
+    fn study(
+        &self,
+        problem: &Problem,
+        log: &Log,
+        resumed: Option<&Resumed>,
+        file: Option<CheckpointFile>,
+        console: Console,
+    ) -> anyhow::Result<(Outcome, Chosen)> {
         let interrupt = interrupt::flag()?;
-        let mut evaluator = Chosen::new(problem, log, &self.compute, candidates(&problem.tune), console)?;
+        let compute = resumed.map_or_else(|| Ok(self.compute.clone()), |resumed| resumed.compute(&self.compute))?;
+        let mut evaluator = Chosen::new(problem, log, &compute, candidates(&problem.tune), console)?;
         let wants_another = problem.tune.polish && !evaluator.can_polish();
-        let in_f64 = CpuOptions { precision: Precision::F64, ..self.compute.cpu() };
+        let in_f64 = CpuOptions { precision: Precision::F64, ..compute.cpu() };
         let mut polisher = wants_another.then(|| CpuEvaluator::new(problem, log, in_f64)).transpose()?;
-        let oracle = |candidate: &[f64]| reference::costs(problem, log, candidate).ok();
+        let oracle = |candidate: &[f64]| reference::scores(problem, log, candidate).ok();
         let judge = Judge { oracle: &oracle, polisher: polisher.as_mut().map(|p| p as &mut dyn Evaluator) };
         let mut progress = Progress::new(console, &problem.tune)?;
-        let observers: &mut [&mut dyn Observer] = &mut [&mut progress];
-        let outcome = study::run(&Study::of(problem), &mut evaluator, judge, observers, &interrupt)?;
+        let mut keeper = file.map(|file| Keeper::new(file, evaluator.notices.clone()));
+        let mut observers: Vec<&mut dyn Observer> = vec![&mut progress];
+        observers.extend(keeper.as_mut().map(|keeper| keeper as &mut dyn Observer));
+        let study = Study::of(problem);
+        let outcome = match resumed.map(Resumed::snapshot) {
+            Some(from) => {
+                evaluator.say_if_not(&from.device);
+                study::resume(&study, from, &mut evaluator, judge, &mut observers, &interrupt)?
+            }
+            None => study::run(&study, &mut evaluator, judge, &mut observers, &interrupt)?,
+        };
         Ok((outcome, evaluator))
     }
 
@@ -176,6 +297,8 @@ impl Tune {
         [
             text("--algorithm", &["tune", "algorithm"], &self.algorithm),
             (!self.objectives.is_empty()).then(objectives),
+            (!self.constraints.is_empty()).then(|| Override::constraints(&self.constraints)),
+            self.pick.as_deref().map(Override::pick),
             integer("--population", &["tune", "population"], *population),
             integer("--generations", &["tune", "generations"], *generations),
             integer("--seed", &["tune", "seed"], *seed),
@@ -188,8 +311,15 @@ impl Tune {
         ]
         .into_iter()
         .flatten()
+        .chain(self.trust.overrides(problem))
         .collect()
     }
+}
+
+/// What the user should know about what is tuned on, in sentences.
+fn doubts(problem: &Problem, split: &Split, origin: &Origin) -> Vec<String> {
+    let single = *origin == Origin::Simulated && split.train.trajectories.len() == 1;
+    single.then(|| SINGLE_REALISATION.to_owned()).into_iter().chain(split.warnings(problem)).collect()
 }
 
 /// Candidates of a whole study, if nothing ends it early.

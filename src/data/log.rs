@@ -69,6 +69,11 @@ impl Table {
         &self.values[k * self.columns..(k + 1) * self.columns]
     }
 
+    /// The first `rows` rows.
+    pub(super) fn first(&self, rows: usize) -> Self {
+        Self { columns: self.columns, values: self.values[..rows * self.columns].to_vec() }
+    }
+
     /// Column `i` from the first row to the last.
     pub fn column(&self, i: usize) -> impl Iterator<Item = f64> {
         self.values.chunks_exact(self.columns.max(1)).filter_map(move |row| row.get(i).copied())
@@ -108,6 +113,18 @@ impl Trajectory {
         self.z.row(k).iter().all(|z| !z.is_nan())
     }
 
+    /// The first `rows` rows.
+    pub(super) fn first(&self, rows: usize) -> Self {
+        Self {
+            id: self.id.clone(),
+            time: self.time[..rows].to_vec(),
+            z: self.z.first(rows),
+            u: self.u.first(rows),
+            truth: self.truth.first(rows),
+            line: self.line[..rows].to_vec(),
+        }
+    }
+
     /// Gives back memory kept for rows that never came.
     pub(super) fn shrink(&mut self) {
         self.time.shrink_to_fit();
@@ -123,6 +140,17 @@ impl Log {
     #[must_use]
     pub fn rows(&self) -> usize {
         self.trajectories.iter().map(Trajectory::len).sum()
+    }
+
+    /// The log with these trajectories in place of its own.
+    pub(super) fn with(&self, trajectories: Vec<Trajectory>) -> Self {
+        Self {
+            source: self.source.clone(),
+            measurements: self.measurements.clone(),
+            inputs: self.inputs.clone(),
+            truth: self.truth.clone(),
+            trajectories,
+        }
     }
 
     /// The one interval of the whole log \[s\], or `None` if intervals differ by more than one part in 1e9 or there are none.

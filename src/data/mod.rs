@@ -8,6 +8,7 @@ mod log;
 mod read;
 mod rows;
 mod simulate;
+mod split;
 mod summary;
 #[cfg(test)]
 mod tests;
@@ -16,6 +17,7 @@ mod write;
 pub use error::{LogError, Place};
 pub use log::{Log, Table, Trajectory};
 pub use simulate::{SimulateError, simulate};
+pub use split::{HeldOut, Split, SplitError, scoring_rows};
 pub use summary::{ColumnSummary, Intervals, Summary};
 
 pub(crate) use clock::Clock;

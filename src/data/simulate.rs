@@ -1,5 +1,7 @@
 //! Draws logs from a model: truth, measurements and gaps, from one seed.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 use rand_distr::{Distribution, StandardNormal};
 
@@ -43,6 +45,12 @@ pub enum SimulateError {
 /// # Errors
 /// Without `[simulate]`, with inputs, with an unknown parameter, when a covariance is none, or on overflow.
 pub fn simulate(problem: &Problem, seed: Option<u64>) -> Result<Log, SimulateError> {
+    let trajectories = problem.simulate.as_ref().map_or(0, |spec| spec.trajectories);
+    realisations(problem, seed, 0..trajectories)
+}
+
+/// The realisations of this range, which need not end where `[simulate]` does: those after it are fresh ones.
+pub(super) fn realisations(problem: &Problem, seed: Option<u64>, range: Range<usize>) -> Result<Log, SimulateError> {
     let spec =
         problem.simulate.as_ref().ok_or_else(|| SimulateError::NoTable { source_name: problem.source.clone() })?;
     let mut system = System::new(problem, spec)?;
@@ -52,12 +60,12 @@ pub fn simulate(problem: &Problem, seed: Option<u64>) -> Result<Log, SimulateErr
         measurements: problem.model.measurements.clone(),
         inputs: Vec::new(),
         truth: problem.model.states.clone(),
-        trajectories: Vec::with_capacity(spec.trajectories),
+        trajectories: Vec::with_capacity(range.len()),
     };
     // Line 1 is the header of the CSV that the log may be written to.
-    let mut line = 2;
-    let named = spec.trajectories > 1 || problem.data.trajectory.is_some();
-    for index in (0..).take(spec.trajectories) {
+    let mut line = 2 + (range.start * (spec.steps + 1)) as u64;
+    let named = range.end > 1 || problem.data.trajectory.is_some();
+    for index in range.start as u64..range.end as u64 {
         let id = if named { (index + 1).to_string() } else { String::new() };
         log.trajectories.push(system.trajectory(id, Draws { seed, trajectory: index }, &mut line)?);
     }

@@ -49,15 +49,16 @@ enum Machine {
 }
 
 impl CpuEvaluator {
-    /// An evaluator of the problem's own objectives.
+    /// An evaluator of the problem's own objectives and constraints.
     ///
     /// # Errors
     /// If the filter cannot be traced.
     pub fn new(problem: &Problem, log: &Log, options: CpuOptions) -> Result<Self, BuildError> {
-        Self::with_objectives(problem, log, &problem.tune.objectives, options)
+        let program = Self::trace(problem, log, &problem.tune.scorers(), options.precision, None)?;
+        Ok(Self::of_program(program.constrained(&problem.tune.constraints), options))
     }
 
-    /// An evaluator of other objectives.
+    /// An evaluator of other objectives, without constraints.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -81,11 +82,21 @@ impl CpuEvaluator {
         options: CpuOptions,
         form: Option<Form>,
     ) -> Result<Self, BuildError> {
-        let nominal = match options.precision {
+        Ok(Self::of_program(Self::trace(problem, log, objectives, options.precision, form)?, options))
+    }
+
+    fn trace(
+        problem: &Problem,
+        log: &Log,
+        objectives: &[Objective],
+        precision: Precision,
+        form: Option<Form>,
+    ) -> Result<Program, TraceError> {
+        let nominal = match precision {
             Precision::F64 => None,
             Precision::F32 => Some(nominal(problem, log)?),
         };
-        Ok(Self::of_program(trace_as(problem, log, objectives, nominal, form)?, options))
+        trace_as(problem, log, objectives, nominal, form)
     }
 
     /// An evaluator that runs a traced program.
@@ -125,10 +136,10 @@ impl CpuEvaluator {
         OPERATIONS.div_ceil(block.max(1)) * self.widest()
     }
 
-    /// Costs and status of some candidates (row-major).
+    /// Scores and status of some candidates (row-major).
     fn score(&self, candidates: &[f64]) -> (Vec<f64>, Vec<Status>) {
         let program = self.program();
-        let (d, k) = (program.parameters.max(1), program.objectives());
+        let (d, k) = (program.parameters.max(1), program.scorers());
         let mut costs = vec![0.0; candidates.len() / d * k];
         let mut status = Vec::with_capacity(candidates.len() / d);
         let blocks = candidates.chunks(self.widest() * d).zip(costs.chunks_mut(self.widest() * k.max(1)));
@@ -172,7 +183,7 @@ impl Evaluator for CpuEvaluator {
         } else {
             self.score_parallel(values, task)
         };
-        Evaluation::of_parts(self.objectives(), parts)
+        Evaluation::of_parts(self.program(), parts)
     }
 
     fn device(&self) -> Device {

@@ -8,6 +8,9 @@ pub mod gpu;
 pub use cpu::{BuildError, CpuEvaluator, CpuOptions};
 pub mod mock;
 
+use crate::filter::Program;
+use crate::objective::Constraint;
+use std::borrow::Cow;
 use std::fmt;
 
 /// Candidates, one row each: the values of the searched parameters in their own units.
@@ -168,10 +171,39 @@ impl Evaluation {
         self.violation.get(i).map_or(0.0, |v| if v.is_nan() { f64::INFINITY } else { *v })
     }
 
-    /// From the costs and statuses of the parts of a population, in order; see [`Self::new`].
-    fn of_parts(objectives: usize, parts: Vec<(Vec<f64>, Vec<Status>)>) -> Self {
-        let (costs, status): (Vec<_>, Vec<_>) = parts.into_iter().unzip();
-        Self::new(objectives, costs.concat(), status.concat())
+    /// From the scores and statuses of the parts of a population, in order; see [`Self::new`].
+    fn of_parts(program: &Program, parts: Vec<(Vec<f64>, Vec<Status>)>) -> Self {
+        let (scores, status): (Vec<_>, Vec<_>) = parts.into_iter().unzip();
+        let (k, scores) = (program.objectives(), scores.concat());
+        if program.constraints.is_empty() {
+            return Self::new(k, scores, status.concat());
+        }
+        let rows = || scores.chunks_exact(program.scorers());
+        let violation = rows().map(|row| Constraint::total_violation(&program.constraints, &row[k..])).collect();
+        let costs = rows().flat_map(|row| &row[..k]).copied().collect();
+        Self::new(k, costs, status.concat()).with_violation(violation)
+    }
+
+    /// For methods that minimise one number and know nothing of constraints: an infeasible candidate costs 1e200 to
+    /// 2e200, the more the more it violates, so that a feasible one is always better and of two infeasible ones the
+    /// one that violates less; unchanged without constraints or with several objectives.
+    ///
+    /// The order is that of K. Deb, Comput. Methods Appl. Mech. Eng. 186 (2000), doi 10.1016/S0045-7825(99)00389-8, with
+    /// a constant in place of the worst feasible cost, so that costs of different generations compare.
+    #[must_use]
+    pub fn penalised(&self) -> Cow<'_, Self> {
+        const INFEASIBLE: f64 = 1e200;
+        if self.objectives != 1 || self.violation.is_empty() {
+            return Cow::Borrowed(self);
+        }
+        let mut penalised = self.clone();
+        for i in (0..self.len()).filter(|i| self.status[*i].is_ok()) {
+            let violation = self.violation(i);
+            if violation > 0.0 {
+                penalised.costs[i] = INFEASIBLE * (2.0 - 1.0 / (1.0 + violation));
+            }
+        }
+        Cow::Owned(penalised)
     }
 
     /// Number of objectives.
@@ -206,7 +238,7 @@ impl Evaluation {
 }
 
 /// Where costs were computed, for reports.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Device {
     /// `cpu`, `gpu` or `mock`.
     pub backend: String,

@@ -4,7 +4,7 @@ use super::carry::Entry;
 use super::form::Form;
 use super::nominal::Nominal;
 use super::scoring::{Pools, Traced};
-use crate::objective::Objective;
+use crate::objective::{Constraint, Objective};
 use crate::tape::{Names, Tape};
 use std::fmt::{self, Display, Formatter};
 use std::ops::Range;
@@ -69,6 +69,8 @@ pub struct Program {
     pub constants: Vec<f64>,
     /// Trajectories.
     pub spans: Vec<Span>,
+    /// What the last scorers are held against: their values become violations, not costs.
+    pub constraints: Vec<Constraint>,
     /// The nominal, in the deviation form.
     pub nominal: Option<Nominal>,
     /// Entries of the predicted x, then of the predicted covariance: the upper triangle of P, or D with U above it.
@@ -85,7 +87,21 @@ impl Program {
     /// Number of objectives.
     #[must_use]
     pub const fn objectives(&self) -> usize {
+        self.scorers.len() - self.constraints.len()
+    }
+
+    /// Number of values that a candidate is scored by: objectives, then what constraints bound.
+    #[must_use]
+    pub const fn scorers(&self) -> usize {
         self.scorers.len()
+    }
+
+    /// With its last scorers held against `constraints`, as far as it has that many.
+    #[must_use]
+    pub fn constrained(mut self, constraints: &[Constraint]) -> Self {
+        let constraints = &constraints[..constraints.len().min(self.scorers.len())];
+        self.constraints = constraints.to_vec();
+        self
     }
 
     /// Number of sums and products: a run yields that many totals a trajectory.
@@ -94,7 +110,7 @@ impl Program {
         self.carried.iter().filter(|c| matches!(c.role, Role::Sum | Role::Product)).count()
     }
 
-    /// Costs of one candidate from its totals (trajectories x [`Self::totals`]).
+    /// The [`Self::scorers`] of one candidate from its totals (trajectories x [`Self::totals`]).
     pub fn costs(&self, totals: &[f64], costs: &mut [f64]) {
         for ((objective, traced), cost) in self.scorers.iter().zip(costs) {
             *cost = objective.finish(&Pools { sums: totals, width: self.totals(), traced });

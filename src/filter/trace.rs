@@ -159,6 +159,7 @@ impl Step {
             columns,
             constants,
             spans,
+            constraints: Vec::new(),
             nominal: None,
             entries: partition.entries(),
             names,

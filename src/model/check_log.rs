@@ -22,7 +22,7 @@ impl Problem {
     }
 
     /// An error with the place of the value at `path` of the problem file.
-    fn fault(&self, path: &[&str], cause: impl Into<Box<Cause>>) -> ProblemError {
+    pub(crate) fn fault(&self, path: &[&str], cause: impl Into<Box<Cause>>) -> ProblemError {
         Fault::new(locate(&self.text, path), cause).locate(&self.source, &self.text)
     }
 
@@ -120,13 +120,16 @@ impl Problem {
     }
 
     fn check_objectives(&self, log: &Log, warnings: &mut Vec<String>) -> Result<(), ProblemError> {
-        for objective in &self.tune.objectives {
+        let objectives = self.tune.objectives.len();
+        for (i, objective) in self.tune.scorers().iter().enumerate() {
+            let (what, key) =
+                if i < objectives { ("objective", "objectives") } else { ("constraint on", "constraints") };
             let name = objective.name();
             if objective.kind == Kind::Mismatch {
                 warnings.extend(log.trajectories.iter().filter_map(|t| short_window(log, t, objective.window)));
             }
             let needed: Vec<&String> = match objective.kind {
-                Kind::Nees => self.model.states.iter().collect(),
+                Kind::Nees | Kind::NeesMean => self.model.states.iter().collect(),
                 _ => objective.states.iter().map(|i| &self.model.states[*i]).collect(),
             };
             if needed.is_empty() {
@@ -140,11 +143,9 @@ impl Problem {
             };
             if !log.trajectories.iter().any(known) {
                 let names = needed.iter().map(|s| format!("`{s}`")).collect::<Vec<_>>().join(", ");
-                let problem = format!(
-                    "the objective `{name}` needs truth of {names}, and no scored row of {} has it",
-                    log.source
-                );
-                return Err(self.log_fault(&["tune", "objectives"], problem));
+                let problem =
+                    format!("the {what} `{name}` needs truth of {names}, and no scored row of {} has it", log.source);
+                return Err(self.log_fault(&["tune", key], problem));
             }
         }
         Ok(())

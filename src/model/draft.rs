@@ -63,6 +63,7 @@ pub fn draft(log_path: &Path, mut reader: impl Read) -> Result<Draft, LogError> 
         inputs: Vec::new(),
         truth: roles.truth_of(&survey, &states),
         trajectory: roles.trajectory.as_ref().map(name),
+        validate: None,
     };
     let text =
         text::Page { survey: &survey, roles: &roles, data: &data, motion, axes: &axes, states: &states }.to_string();

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::Span;
+use crate::data::SplitError;
 
 /// A problem file that cannot be used: one sentence, with line, column and a caret where it has a place.
 #[derive(Debug, Clone, PartialEq)]
@@ -100,6 +101,8 @@ pub enum Cause {
     Invalid { key: String, problem: String },
     #[error("{problem}")]
     Log { problem: String },
+    #[error("`data.validate`: {0}")]
+    Split(SplitError),
 }
 
 /// A cause and the bytes it is about, before the file's name and lines are attached.

@@ -18,7 +18,9 @@ pub use error::{Cause, Place, ProblemError};
 pub use expr::{Binary, Expr, ExprKind, Function, Span, Symbol};
 pub use library::built_in_models;
 pub use parameter::{Parameter, Parameters, Scale, Search, Value};
-pub use problem::{DataSpec, FilterKind, First, Model, Problem, SimulateSpec, Start, TuneSpec};
+pub use problem::{
+    DataSpec, FilterKind, First, Model, Pick, Problem, SimulateSpec, SplitBy, Start, TuneSpec, ValidateSpec,
+};
 
 #[cfg(test)]
 mod tests;

@@ -1,7 +1,7 @@
 //! A problem: data, model, parameters, filter, and how to tune.
 
-use super::{Expr, Parameters};
-use crate::objective::Objective;
+use super::{Expr, Parameters, Span};
+use crate::objective::{Constraint, Objective};
 
 /// A whole problem file, checked: names resolved, dimensions consistent, formulas linear where the filter needs it.
 #[derive(Debug, Clone)]
@@ -39,6 +39,27 @@ pub struct DataSpec {
     pub truth: Vec<(String, String)>,
     /// Trajectory column.
     pub trajectory: Option<String>,
+    /// What `tune` holds out; `None` = nothing.
+    pub validate: Option<ValidateSpec>,
+}
+
+/// `data.validate`: the share of the log that the search never sees.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ValidateSpec {
+    /// Between 0 and 1, both excluded.
+    pub share: f64,
+    /// What is held out; `None` = trajectories where there are several or the log is simulated, else rows in time.
+    pub by: Option<SplitBy>,
+}
+
+/// What is held out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SplitBy {
+    /// Whole trajectories, or fresh realisations of a simulated log.
+    Trajectory,
+    /// The last rows of each trajectory.
+    Time,
 }
 
 /// A state-space model: x' = f(x, u, dt) + w, z = h(x, u) + v, w ~ N(0, Q), v ~ N(0, R).
@@ -105,6 +126,10 @@ pub struct TuneSpec {
     pub algorithm: String,
     /// What is minimised, at least one.
     pub objectives: Vec<Objective>,
+    /// What every candidate should keep; feasible candidates win over others.
+    pub constraints: Vec<Constraint>,
+    /// Which member of a front is recommended, with several objectives.
+    pub pick: Pick,
     /// Candidates a generation.
     pub population: usize,
     /// Generations after the initial one.
@@ -123,6 +148,26 @@ pub struct TuneSpec {
     pub include_start: bool,
     /// Whether the winner is polished in f64.
     pub polish: bool,
+}
+
+impl TuneSpec {
+    /// Everything that is scored: the objectives, then what the constraints bound.
+    #[must_use]
+    pub fn scorers(&self) -> Vec<Objective> {
+        self.objectives.iter().chain(self.constraints.iter().map(|c| &c.measure)).cloned().collect()
+    }
+}
+
+/// Which member of a front is recommended.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum Pick {
+    /// The knee.
+    #[default]
+    Knee,
+    /// The best in this objective.
+    Best(usize),
+    /// The smallest weighted sum of objectives scaled to the front's range; one weight per objective.
+    Weights(Vec<f64>),
 }
 
 /// The `[simulate]` table.
@@ -146,4 +191,20 @@ pub struct SimulateSpec {
     pub trajectories: usize,
     /// Seed.
     pub seed: u64,
+}
+
+impl Model {
+    /// The same model, wherever its formulas stand in the file.
+    pub(crate) fn without_spans(&self) -> Self {
+        let mut model = self.clone();
+        let start = match &mut model.x0 {
+            Start::Values(formulas) => formulas.as_mut_slice(),
+            Start::Measurement => &mut [],
+        };
+        let lists = [&mut model.f, &mut model.h, &mut model.q, &mut model.r, &mut model.p0];
+        for formula in lists.into_iter().flatten().chain(start) {
+            formula.map_spans(&|_| Span::default());
+        }
+        model
+    }
 }

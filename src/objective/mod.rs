@@ -1,5 +1,6 @@
-//! Objectives, all minimised. One list; the semantics of each stand in `docs/semantics.md`.
+//! Objectives, all minimised, and constraints on what they measure. One list; the semantics of each stand in `docs/semantics.md`.
 
+mod constraint;
 mod innovation;
 mod likelihood;
 mod mismatch;
@@ -7,6 +8,8 @@ mod truth;
 
 #[cfg(test)]
 mod tests;
+
+pub use constraint::{Constraint, Relation};
 
 use crate::filter::{Pools, Scoring, Traced};
 
@@ -42,12 +45,14 @@ pub enum Kind {
     Rmse,
     /// Sum over rows with truth of the Euclidean error of the named states, posterior.
     Distance,
-    /// nis_mean itself: for benchmarks and reports, not an objective (so not in [`Self::ALL`]).
+    /// nis_mean itself: for constraints, benchmarks and reports, not an objective.
     NisMean,
+    /// nees_mean itself: as [`Self::NisMean`].
+    NeesMean,
 }
 
 impl Kind {
-    /// Every kind with the name it has in problem files, JSON and CSV.
+    /// Every objective with the name it has in problem files, JSON and CSV.
     pub const ALL: [(&'static str, Self); 7] = [
         ("nll", Self::Nll),
         ("mse_innovation", Self::MseInnovation),
@@ -58,16 +63,19 @@ impl Kind {
         ("distance", Self::Distance),
     ];
 
+    /// What is no objective, because its best value is not its smallest, but can be bounded by a constraint.
+    pub const MEANS: [(&'static str, Self); 2] = [("nis_mean", Self::NisMean), ("nees_mean", Self::NeesMean)];
+
     /// Its name.
     #[must_use]
     pub fn name(self) -> &'static str {
-        Self::ALL.iter().find(|(_, kind)| *kind == self).map_or("nis_mean", |(name, _)| name)
+        Self::ALL.iter().chain(&Self::MEANS).find(|(_, kind)| *kind == self).map_or("", |(name, _)| name)
     }
 
     /// Whether it needs the true states.
     #[must_use]
     pub const fn needs_truth(self) -> bool {
-        matches!(self, Self::Nees | Self::Rmse | Self::Distance)
+        matches!(self, Self::Nees | Self::NeesMean | Self::Rmse | Self::Distance)
     }
 }
 
@@ -93,7 +101,7 @@ impl Objective {
             Kind::MseInnovation => innovation::trace_mse(self, scoring),
             Kind::Mismatch => mismatch::trace(self, scoring),
             Kind::Nis | Kind::NisMean => innovation::trace_nis(self, scoring),
-            Kind::Nees => truth::trace_nees(self, scoring),
+            Kind::Nees | Kind::NeesMean => truth::trace_nees(self, scoring),
             Kind::Rmse => truth::trace_rmse(self, scoring),
             Kind::Distance => truth::trace_distance(self, scoring),
         }
@@ -108,6 +116,7 @@ impl Objective {
             Kind::Nis => innovation::finish_nis(pools),
             Kind::NisMean => innovation::finish_nis_mean(pools),
             Kind::Nees => truth::finish_nees(pools),
+            Kind::NeesMean => truth::finish_nees_mean(pools),
             Kind::Rmse => truth::finish_rmse(pools),
             Kind::Distance => truth::finish_distance(pools),
         }

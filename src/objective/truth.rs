@@ -60,7 +60,12 @@ pub(super) fn trace_nees(objective: &Objective, scoring: &mut Scoring<'_>) -> Tr
     Traced { slots: vec![scoring.total_of(value)], counts }
 }
 
-/// |sum NEES / (n x rows) - 1|.
+/// sum NEES / (n x rows): 1 when consistent.
+pub(super) fn finish_nees_mean(pools: &Pools<'_>) -> f64 {
+    pools.total(0) / pools.count()
+}
+
+/// |nees_mean - 1|.
 pub(super) fn finish_nees(pools: &Pools<'_>) -> f64 {
-    (pools.total(0) / pools.count() - 1.0).abs()
+    (finish_nees_mean(pools) - 1.0).abs()
 }

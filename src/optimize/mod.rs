@@ -3,12 +3,18 @@
 //! Every optimiser is one file and one row of [`ALGORITHMS`]. All of them draw from [`random::Stream`] with one stream
 //! per (generation, candidate), so a result depends on the seed alone.
 
+pub mod indicators;
+pub mod memetic;
 pub mod nelder_mead;
+pub mod nsga2;
+pub mod operators;
+pub mod pareto;
 pub mod pio;
 pub mod pso;
 pub mod random;
 pub mod random_search;
 mod registry;
+mod saved;
 mod space;
 mod swarm;
 #[cfg(test)]
@@ -29,7 +35,7 @@ pub trait Optimizer {
     /// The next candidates to score, or `None` when the method has come to its own end.
     fn ask(&mut self) -> Option<Population>;
 
-    /// Costs of exactly the population that [`Self::ask`] gave last.
+    /// Costs of exactly the population that [`Self::ask`] gave last, of which a memetic wrapper may have improved some.
     fn tell(&mut self, population: &Population, costs: &Evaluation);
 
     /// Whether the last [`Self::tell`] ended a generation; a method that scores a generation in several parts says

@@ -3,9 +3,12 @@
 //! H. Duan, P. Qiao, "Pigeon-inspired optimization: a new swarm intelligence optimizer for air robot path planning",
 //! Int. J. Intell. Comput. Cybern. 7 (2014), doi 10.1108/IJICC-02-2014-0005.
 
+use serde::{Deserialize, Serialize};
+
 use super::random::{Purpose, Stream};
+use super::saved::{self, Reader};
 use super::swarm::{self, Best};
-use super::{Optimizer, Settings, Space};
+use super::{Optimizer, RestoreError, Settings, Space};
 use crate::evaluate::{Evaluation, Population};
 
 /// What differs between the variants.
@@ -67,6 +70,16 @@ pub struct Pio {
     best: Best,
 }
 
+/// What a flock has learnt; populations row after row. The number of leaders follows from the iteration.
+#[derive(Serialize, Deserialize)]
+struct Saved {
+    iteration: usize,
+    x: Vec<f64>,
+    v: Vec<f64>,
+    cost: Vec<f64>,
+    best: Best,
+}
+
 impl Pio {
     /// At generation 0.
     #[must_use]
@@ -89,6 +102,12 @@ impl Pio {
     const fn map_generations(&self) -> usize {
         let all = self.settings.generations;
         all - (all + 1) / 3
+    }
+
+    /// Leaders after `told` generations: halved by each one of the landmark phase.
+    fn leaders_after(&self, told: usize) -> usize {
+        let halvings = told.saturating_sub(1 + self.map_generations()).min(usize::BITS as usize - 1);
+        (self.settings.population >> halvings).max(1)
     }
 
     const fn stream(&self, pigeon: usize) -> Stream {
@@ -203,6 +222,31 @@ impl Optimizer for Pio {
         }
         self.best.update(population, costs);
         self.iteration += 1;
+    }
+
+    fn save(&self) -> Option<Vec<u8>> {
+        saved::write(&Saved {
+            iteration: self.iteration,
+            x: self.x.values().to_vec(),
+            v: self.v.values().to_vec(),
+            cost: self.cost.clone(),
+            best: self.best.clone(),
+        })
+    }
+
+    fn restore(&mut self, saved: &[u8]) -> Result<(), RestoreError> {
+        let reader = Reader { algorithm: self.name(), dimension: self.space.dimension() };
+        let saved: Saved = reader.read(saved)?;
+        let iteration = reader.told(saved.iteration, self.settings.generations)?;
+        let leaders = self.leaders_after(iteration);
+        let flock = if self.rules.keep_flock { self.settings.population } else { leaders };
+        reader.ensure(saved.cost.len() == flock, "it has not one cost a pigeon")?;
+        reader.positions(saved.best.position.clone(), 1)?;
+        let x = reader.positions(saved.x, flock)?;
+        self.v = reader.positions(saved.v, self.settings.population)?;
+        (self.x, self.cost, self.best) = (x, saved.cost, saved.best);
+        (self.iteration, self.leaders) = (iteration, leaders);
+        Ok(())
     }
 }
 

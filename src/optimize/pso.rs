@@ -1,8 +1,11 @@
 //! Particle swarm optimisation, two published parameter sets.
 
+use serde::{Deserialize, Serialize};
+
 use super::random::{Purpose, Stream};
+use super::saved::{self, Reader};
 use super::swarm::{self, Best};
-use super::{Optimizer, Settings, Space};
+use super::{Optimizer, RestoreError, Settings, Space};
 use crate::evaluate::{Evaluation, Population};
 
 /// The constants of a swarm.
@@ -49,6 +52,17 @@ pub struct Pso {
     x: Population,
     v: Population,
     own_best: Population,
+    own_cost: Vec<f64>,
+    best: Best,
+}
+
+/// What a swarm has learnt; populations row after row.
+#[derive(Serialize, Deserialize)]
+struct Saved {
+    iteration: usize,
+    x: Vec<f64>,
+    v: Vec<f64>,
+    own_best: Vec<f64>,
     own_cost: Vec<f64>,
     best: Best,
 }
@@ -120,5 +134,28 @@ impl Optimizer for Pso {
         }
         self.best.update(population, costs);
         self.iteration += 1;
+    }
+    fn save(&self) -> Option<Vec<u8>> {
+        saved::write(&Saved {
+            iteration: self.iteration,
+            x: self.x.values().to_vec(),
+            v: self.v.values().to_vec(),
+            own_best: self.own_best.values().to_vec(),
+            own_cost: self.own_cost.clone(),
+            best: self.best.clone(),
+        })
+    }
+
+    fn restore(&mut self, saved: &[u8]) -> Result<(), RestoreError> {
+        let reader = Reader { algorithm: self.name(), dimension: self.space.dimension() };
+        let saved: Saved = reader.read(saved)?;
+        let rows = self.settings.population;
+        let iteration = reader.told(saved.iteration, self.settings.generations)?;
+        reader.ensure(saved.own_cost.len() == rows, "it has not one cost a particle")?;
+        reader.positions(saved.best.position.clone(), 1)?;
+        let [x, v, own_best] = [saved.x, saved.v, saved.own_best].map(|values| reader.positions(values, rows));
+        (self.x, self.v, self.own_best) = (x?, v?, own_best?);
+        (self.iteration, self.own_cost, self.best) = (iteration, saved.own_cost, saved.best);
+        Ok(())
     }
 }

@@ -34,6 +34,12 @@ pub enum Purpose {
     Missing = 5,
     /// Synthetic workloads of benchmarks and tests.
     Workload = 6,
+    /// Which candidates become parents.
+    Selection = 7,
+    /// Crossover and mutation.
+    Variation = 8,
+    /// Local search of a memetic method.
+    LocalSearch = 9,
 }
 
 /// High and low word of the 64-bit product of two words.
@@ -116,6 +122,19 @@ impl Stream {
         let high = self.word() as u64;
         ((high << 32 | low) >> 11) as f64 * STEP
     }
+
+    /// Uniform on 0, 1, ..., `limit` - 1: the high word of 64 random bits times `limit`. Uneven by less than
+    /// `limit` / 2^64.
+    ///
+    /// # Panics
+    /// If `limit` is 0.
+    #[expect(clippy::cast_possible_truncation, reason = "below the limit")]
+    pub const fn below(&mut self, limit: usize) -> usize {
+        assert!(limit > 0, "there is no number below 0");
+        let low = self.word() as u64;
+        let bits = (self.word() as u64) << 32 | low;
+        ((bits as u128 * limit as u128) >> 64) as usize
+    }
 }
 
 /// Gives [`rand::Rng`] and, with it, every distribution of `rand_distr`.
@@ -194,6 +213,16 @@ mod tests {
         let normals: Vec<f64> = (0..n).map(|_| StandardNormal.sample(&mut stream)).collect();
         let variance = normals.iter().map(|x| x * x).sum::<f64>() / f64::from(n);
         assert!((variance - 1.0).abs() < 4.0 * (2.0 / f64::from(n)).sqrt(), "variance of normals {variance}");
+    }
+
+    #[test]
+    fn whole_numbers_are_even_and_below_the_limit() {
+        let mut stream = Stream::new(2, Purpose::Selection, 0, 0);
+        let mut counts = [0_i32; 7];
+        (0..70_000).for_each(|_| counts[stream.below(7)] += 1);
+        // 4 standard deviations of a binomial with n = 70,000 and p = 1/7.
+        assert!(counts.iter().all(|count| (count - 10_000).abs() < 371), "{counts:?}");
+        assert_eq!(stream.below(1), 0);
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Random search: the baseline that any other method must beat.
 
-use super::{Optimizer, Settings, Space, swarm};
+use super::saved::{self, Reader};
+use super::{Optimizer, RestoreError, Settings, Space, swarm};
 use crate::evaluate::{Evaluation, Population};
 
 /// Draws every generation afresh and uniformly from `init` (the bounds, where bounded); learns nothing.
@@ -38,5 +39,15 @@ impl Optimizer for RandomSearch {
 
     fn tell(&mut self, _population: &Population, _costs: &Evaluation) {
         self.generation += 1;
+    }
+    /// The generation alone: nothing is learnt.
+    fn save(&self) -> Option<Vec<u8>> {
+        saved::write(&self.generation)
+    }
+
+    fn restore(&mut self, saved: &[u8]) -> Result<(), RestoreError> {
+        let reader = Reader { algorithm: self.name(), dimension: self.space.dimension() };
+        self.generation = reader.told(reader.read(saved)?, self.settings.generations)?;
+        Ok(())
     }
 }

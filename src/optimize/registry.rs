@@ -1,6 +1,7 @@
 //! The list of optimisers: one row each.
 
-use super::{Optimizer, Space, pio, pso, random_search};
+use super::memetic::{self, annealing};
+use super::{Optimizer, Space, nsga2, pio, pso, random_search};
 
 /// What every optimiser is built from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -83,6 +84,48 @@ pub static ALGORITHMS: &[Algorithm] = &[
         build: |space, settings| Box::new(pio::Pio::new(space, settings, pio::PLUS)),
     },
     Algorithm {
+        name: "nsga2",
+        about: "NSGA-II: a Pareto front of up to four objectives; with one, a plain genetic algorithm",
+        defaults: "p_c = 0.9, p_m = 1/d, eta_c = eta_m = 20 (doi 10.1109/4235.996017)",
+        minimum_population: 2,
+        minimum_reason: "children have two parents",
+        maximum_objectives: 4,
+        build: |space, settings| Box::new(nsga2::Nsga2::new(space, settings, nsga2::PUBLISHED)),
+    },
+    Algorithm {
+        name: "nsga2-study",
+        about: "NSGA-II with the operators of the MOMA study",
+        defaults: "as nsga2; unbounded crossover of every coordinate, simple mutation, tournaments with replacement \
+                   (doi 10.1145/2576768.2598242)",
+        minimum_population: 2,
+        minimum_reason: "children have two parents",
+        maximum_objectives: 4,
+        build: |space, settings| Box::new(nsga2::Nsga2::new(space, settings, nsga2::STUDY)),
+    },
+    Algorithm {
+        name: "moma",
+        about: "nsga2-study with a local search from its best, by simulated annealing as printed in the MOMA study",
+        defaults: "the best tenth every fifth generation; 8 proposals from T = 1e6, ratio 0.9, steps of 5 % of the range \
+                   (doi 10.1145/2576768.2598242)",
+        minimum_population: 2,
+        minimum_reason: "children have two parents",
+        maximum_objectives: 4,
+        build: |space, settings| {
+            Box::new(memetic::moma(space, settings, memetic::MOMA, nsga2::STUDY, annealing::PRINTED))
+        },
+    },
+    Algorithm {
+        name: "moma-annealed",
+        about: "moma with a temperature that acts, in units of the cost differences seen",
+        defaults: "as moma; T from 1 to 0.05",
+        minimum_population: 2,
+        minimum_reason: "children have two parents",
+        maximum_objectives: 4,
+        build: |space, settings| {
+            Box::new(memetic::moma(space, settings, memetic::MOMA_ANNEALED, nsga2::STUDY, annealing::ACTING))
+        },
+    },
+    Algorithm {
         name: "random",
         about: "uniform random search, the baseline that any other method must beat",
         defaults: "uniform over the box, or over init where a parameter is unbounded",
@@ -118,14 +161,17 @@ pub enum OptimizeError {
     },
     /// The method cannot minimise that many objectives.
     #[error(
-        "algorithm {algorithm:?} minimises one objective, received {objectives}: keep one in [tune] objectives \
-         (a front of several needs NSGA-II, which this version does not have yet)"
+        "algorithm {algorithm:?} minimises {}, received {objectives}: keep {maximum} in [tune] objectives{}",
+        if *maximum == 1 { "one objective".to_owned() } else { format!("at most {maximum} objectives") },
+        for_several(*objectives)
     )]
     TooManyObjectives {
         /// The method.
         algorithm: &'static str,
         /// Objectives received.
         objectives: usize,
+        /// Objectives it can minimise.
+        maximum: usize,
     },
     /// The search space is not a box.
     #[error("search coordinate {coordinate}: {problem}")]
@@ -135,6 +181,17 @@ pub enum OptimizeError {
         /// What is wrong with it.
         problem: &'static str,
     },
+}
+
+/// The method to name to whoever asks for a front of this many objectives.
+fn for_several(objectives: usize) -> String {
+    let front = ALGORITHMS.iter().find(|row| row.maximum_objectives > 1 && row.maximum_objectives >= objectives);
+    front.filter(|row| row.name != "random").map_or_else(String::new, |row| {
+        format!(
+            ", or set [tune] algorithm = {:?}, which finds a Pareto front of up to {}",
+            row.name, row.maximum_objectives
+        )
+    })
 }
 
 fn names() -> String {
@@ -171,7 +228,11 @@ pub fn build(name: &str, space: &Space, settings: &Settings) -> Result<Box<dyn O
         });
     }
     if settings.objectives > row.maximum_objectives {
-        return Err(OptimizeError::TooManyObjectives { algorithm: row.name, objectives: settings.objectives });
+        return Err(OptimizeError::TooManyObjectives {
+            algorithm: row.name,
+            objectives: settings.objectives,
+            maximum: row.maximum_objectives,
+        });
     }
     space.check()?;
     Ok((row.build)(space, settings))

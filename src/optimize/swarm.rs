@@ -1,5 +1,7 @@
 //! What all swarms share: the first population and the best position.
 
+use serde::{Deserialize, Serialize};
+
 use super::Space;
 use super::random::{Purpose, Stream};
 use crate::evaluate::{Evaluation, Population};
@@ -30,7 +32,7 @@ pub(super) fn first(space: &Space, size: usize, seed: u64) -> Population {
 }
 
 /// The best position ever evaluated, X_g or G_best.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Best {
     pub(super) position: Vec<f64>,
     pub(super) cost: f64,

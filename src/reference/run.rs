@@ -6,8 +6,9 @@ use super::kalman::{Estimate, Kalman, Update};
 use super::matrices::Formulas;
 use super::score::Scorer;
 use super::{Cause, Failure};
-use crate::data::{Log, Trajectory};
+use crate::data::{HeldOut, Log, Trajectory};
 use crate::model::{First, Problem};
+use crate::objective::Objective;
 
 /// Everything a filter run computed, row by row.
 #[derive(Debug, Clone, PartialEq)]
@@ -106,9 +107,47 @@ impl Moment<'_> {
 /// # Panics
 /// As [`run`].
 pub fn costs(problem: &Problem, log: &Log, candidate: &[f64]) -> Result<Vec<f64>, Failure> {
+    scores_where(problem, (log, candidate), &problem.tune.objectives, |_, _| true)
+}
+
+/// As [`costs`], with what the problem's constraints bound behind the objectives: what a study's oracle gives.
+///
+/// # Errors
+/// As [`run`].
+///
+/// # Panics
+/// As [`run`].
+pub fn scores(problem: &Problem, log: &Log, candidate: &[f64]) -> Result<Vec<f64>, Failure> {
+    scores_where(problem, (log, candidate), &problem.tune.scorers(), |_, _| true)
+}
+
+/// The problem's objectives for a candidate over held-out rows alone; the filter runs through the rows before them.
+///
+/// `skip` still counts from a trajectory's first row, and `mismatch` averages over the last of the held-out rows.
+///
+/// # Errors
+/// As [`run`], also where the failure is in a row that does not score.
+///
+/// # Panics
+/// As [`run`], and if `held_out.from` has not one entry a trajectory.
+pub fn costs_held_out(problem: &Problem, held_out: &HeldOut, candidate: &[f64]) -> Result<Vec<f64>, Failure> {
+    let place = (&held_out.log, candidate);
+    scores_where(problem, place, &problem.tune.objectives, |trajectory, row| row >= held_out.from[trajectory])
+}
+
+/// Values over the rows for which `counts` (trajectory, row) is true.
+fn scores_where(
+    problem: &Problem,
+    (log, candidate): (&Log, &[f64]),
+    scorers: &[Objective],
+    counts: impl Fn(usize, usize) -> bool,
+) -> Result<Vec<f64>, Failure> {
     let truth = Truth::of(problem, log);
-    let mut scorer = Scorer::new(&truth, &problem.tune.objectives);
+    let mut scorer = Scorer::new(&truth, scorers);
     walk(problem, log, candidate, &mut |moment| {
+        if !counts(moment.trajectory, moment.row) {
+            return;
+        }
         let trajectory = &log.trajectories[moment.trajectory];
         let nees = || truth.nees(trajectory, moment.row, moment.posterior);
         scorer.row(moment.trajectory, (trajectory, moment.row), &moment.posterior.x, moment.update, nees);

@@ -99,7 +99,7 @@ impl<'a> Scorer<'a> {
             }
             match (sum.objective.kind, update) {
                 (Kind::Rmse | Kind::Distance, _) => sum.add_error(self.truth, (trajectory, row), x),
-                (Kind::Nees, _) => sum.add(nees(), 1),
+                (Kind::Nees | Kind::NeesMean, _) => sum.add(nees(), 1),
                 (_, Some(update)) => sum.add_update(update),
                 (_, None) => {}
             }
@@ -167,6 +167,7 @@ impl Sum<'_> {
             Kind::MseInnovation | Kind::Mismatch | Kind::NisMean => mean,
             Kind::Nis => (mean - 1.0).abs(),
             Kind::Nees => (mean / states - 1.0).abs(),
+            Kind::NeesMean => mean / states,
             Kind::Rmse => mean.sqrt(),
         }
     }

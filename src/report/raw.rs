@@ -4,12 +4,16 @@ use crate::data::Log;
 use crate::model::{ExprKind, Problem, Symbol};
 use crate::objective::{Kind, Objective};
 
-/// RMSE of the raw measurements of an objective's states, over the rows that the objective scores; `None` unless the
-/// objective is `rmse` and each of its states is measured directly (a component of h is that state alone).
+/// RMSE of the raw measurements of an objective's states, over the rows that the objective scores from row `from` of each
+/// trajectory on; `None` unless the objective is `rmse` and each of its states is measured directly (a component of h is
+/// that state alone).
 ///
 /// A row counts when all those measurements and their truth are there.
+///
+/// # Panics
+/// If `from` has fewer entries than the log has trajectories.
 #[must_use]
-pub fn raw_rmse(problem: &Problem, log: &Log, objective: &Objective) -> Option<f64> {
+pub fn raw_rmse(problem: &Problem, log: &Log, from: &[usize], objective: &Objective) -> Option<f64> {
     if objective.kind != Kind::Rmse || objective.states.is_empty() {
         return None;
     }
@@ -18,8 +22,8 @@ pub fn raw_rmse(problem: &Problem, log: &Log, objective: &Objective) -> Option<f
         objective.states.iter().map(|&state| direct(problem, log, state)).collect::<Option<_>>()?;
     let mut sum = 0.0;
     let mut rows = 0_u32;
-    for trajectory in &log.trajectories {
-        for k in objective.skip..trajectory.len() {
+    for (index, trajectory) in log.trajectories.iter().enumerate() {
+        for k in objective.skip.max(from[index])..trajectory.len() {
             let (z, truth) = (trajectory.z.row(k), trajectory.truth.row(k));
             let squared: f64 = columns.iter().map(|&(i, j)| (z[i] - truth[j]).powi(2)).sum();
             if !squared.is_nan() {
@@ -67,7 +71,7 @@ objectives = [{ name = "rmse", states = ["a"] }]
         let problem = Problem::parse(&text, "p.toml").unwrap();
         let csv = "za,zb,ta,tb\n9,0,1,0\n4,0,1,0\n,0,5,0\n1,0,,0\n-1,0,3,0\n";
         let log = Log::read(&problem.data, csv.as_bytes(), "log.csv").unwrap();
-        raw_rmse(&problem, &log, &problem.tune.objectives[0])
+        raw_rmse(&problem, &log, &[0], &problem.tune.objectives[0])
     }
 
     #[test]

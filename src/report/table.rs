@@ -15,6 +15,12 @@ impl TextTable {
         Self { rows: vec![header.map(str::to_owned).to_vec()] }
     }
 
+    /// A table of these rows, of which the first is the header.
+    #[must_use]
+    pub const fn of_rows(rows: Vec<Vec<String>>) -> Self {
+        Self { rows }
+    }
+
     /// Appends a row; missing cells stay empty.
     pub fn push<const N: usize>(&mut self, row: [String; N]) {
         self.rows.push(row.to_vec());

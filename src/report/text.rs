@@ -2,7 +2,10 @@
 
 use std::fmt;
 
-use super::{Effort, Gain, Named, Scored, TextTable, Tuning, count, seconds, short, significant};
+use super::validation::improvement_text;
+use super::{
+    Effort, Gain, Named, Scored, TextTable, Tuning, Validation, constraint, count, seconds, short, significant,
+};
 use crate::evaluate::Device;
 use crate::study::StopReason;
 
@@ -13,13 +16,19 @@ impl fmt::Display for Tuning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}\n", self.effort)?;
         writeln!(f, "{}", self.parameter_table())?;
-        writeln!(f, "{}", self.objective_table())?;
+        self.fmt_objectives(f)?;
+        if !self.constraints.is_empty() {
+            writeln!(f, "{}", constraint::table(&self.constraints))?;
+        }
+        if let (Some(points), Some(summary)) = (&self.front, &self.front_summary) {
+            writeln!(f, "{}", summary.text(points))?;
+        }
         let gain = match self.matrices.gain {
             Gain::Steady => "steady gain",
             Gain::Last => "gain of the last complete measurement",
         };
         writeln!(f, "Tuned filter (dt = {} s; K: {gain}):\n{}", short(self.matrices.dt, 6), self.matrices)?;
-        writeln!(f, "Consistency (in-sample): {}", self.consistency)?;
+        writeln!(f, "Consistency ({}): {}", self.consistency_on, self.consistency)?;
         writeln!(f, "{}", self.certificate_line())?;
         if let Some(line) = self.polish_line() {
             writeln!(f, "{line}")?;
@@ -85,14 +94,57 @@ impl Tuning {
         table
     }
 
+    fn fmt_objectives(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(validation) = &self.validation else { return writeln!(f, "{}", self.objective_table()) };
+        writeln!(f, "Validation: {validation}.")?;
+        writeln!(f, "{}", self.validation_table(validation))?;
+        let gap = validation.overfit_gap.iter().map(|(name, gap)| format!("{name} {}", improvement_text(name, *gap)));
+        let gap = gap.collect::<Vec<_>>().join("; ");
+        writeln!(f, "{}", validation.sentence())?;
+        writeln!(f, "Overfit gap (improvement on training rows less that on held-out rows): {gap}.\n")
+    }
+
+    /// Every objective on training and on held-out rows.
+    fn validation_table(&self, validation: &Validation) -> TextTable {
+        let mut table =
+            TextTable::new(["objective, f64", "rows", "baseline", "tuned", "improvement", "raw measurements"]);
+        let cell = |value: Option<f64>| value.map_or_else(|| "failed".to_owned(), |v| significant(v, DIGITS));
+        let of = |named: &Option<Named<f64>>, name: &str| named.as_ref().and_then(|n| n.get(name).copied());
+        let raw =
+            |named: &Named<f64>, name: &str| named.get(name).map_or_else(String::new, |v| significant(*v, DIGITS));
+        let better =
+            |named: &Named<Option<f64>>, name: &str| improvement_text(name, named.get(name).copied().flatten());
+        for (name, tuned) in self.objectives.iter() {
+            table.push([
+                name.to_owned(),
+                "training".to_owned(),
+                cell(self.effort.baseline.objective(name)),
+                significant(*tuned, DIGITS),
+                better(&validation.improvement_train, name),
+                raw(&self.raw_measurements, name),
+            ]);
+            table.push([
+                String::new(),
+                "held out".to_owned(),
+                cell(of(&validation.baseline, name)),
+                cell(of(&validation.winner, name)),
+                better(&validation.improvement_held_out, name),
+                raw(&validation.raw_measurements, name),
+            ]);
+        }
+        table
+    }
+
     fn certificate_line(&self) -> String {
         let certificate = &self.certificate;
-        let order = if certificate.order_held { "kept their order" } else { "changed their order" };
+        let gap = significant(certificate.largest_relative_gap, 2);
+        let (who, what) = match &self.front {
+            None => (format!("the {} best candidates", certificate.candidates), "their order"),
+            Some(_) => (format!("the {} candidates of its front", certificate.candidates), "their places"),
+        };
+        let kept = if certificate.order_held { "kept" } else { "changed" };
         format!(
-            "Certificate: the f64 reference differs from the search by at most {} (relative), and the {} best candidates \
-             {order}.",
-            significant(certificate.largest_relative_gap, 2),
-            certificate.candidates,
+            "Certificate: the f64 reference differs from the search by at most {gap} (relative), and {who} {kept} {what}.",
         )
     }
 

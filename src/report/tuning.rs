@@ -2,8 +2,12 @@
 
 use serde::Serialize;
 
-use super::{Bound, Consistency, Evidence, Matrices, Named, Warning, matrices, raw_rmse};
-use crate::data::Log;
+use super::validation::Trained;
+use super::{
+    Bound, Consistency, ConstraintCheck, Evidence, FrontPoint, FrontSummary, Matrices, Named, Rows, Validation,
+    Warning, constraint_checks, front, matrices, raw_rmse,
+};
+use crate::data::{HeldOut, Log, Split};
 use crate::evaluate::Device;
 use crate::model::Problem;
 use crate::objective::Objective;
@@ -54,8 +58,8 @@ pub struct LogFacts {
     pub trajectories: usize,
 }
 
-/// The result of a study. Objectives are values of the f64 reference over the whole log, in-sample, unless said
-/// otherwise; parameters are in their own units.
+/// The result of a study. Objectives are values of the f64 reference over what was tuned on: the whole log, or its
+/// training rows where `validation` says so. Parameters are in their own units.
 #[derive(Debug, Clone, Serialize)]
 pub struct Tuning {
     /// The winner.
@@ -68,14 +72,22 @@ pub struct Tuning {
     pub objectives: Named<f64>,
     /// Rows that updated the tuned filter: nll / this is the nll per step.
     pub measured_rows: usize,
-    /// Scores on held-out rows.
-    pub validation: Option<Scored>,
+    /// Scores on held-out rows, where there are any.
+    pub validation: Option<Validation>,
     /// Whether the tuned filter's innovations are what its covariances say.
     pub consistency: Consistency,
+    /// The rows that this was judged on: held-out ones where there are any and the filter runs there.
+    pub consistency_on: Rows,
     /// Search costs against the reference.
     pub certificate: Certificate,
-    /// The non-dominated candidates of a study of several objectives.
-    pub front: Option<Vec<Scored>>,
+    /// Constraints, held against the winner.
+    pub constraints: Vec<ConstraintCheck>,
+    /// Whether the winner meets all of them.
+    pub feasible: bool,
+    /// The non-dominated candidates of a study of several objectives, of which the winner is the recommended one.
+    pub front: Option<Vec<FrontPoint>>,
+    /// What that front offers.
+    pub front_summary: Option<FrontSummary>,
     /// The local search in f64 that ended the study.
     pub polish: Option<Polish>,
     /// The tuned filter.
@@ -95,8 +107,12 @@ pub struct Nothing {
     pub objectives: (),
     pub validation: (),
     pub consistency: (),
+    pub consistency_on: (),
     pub certificate: (),
+    pub constraints: (),
+    pub feasible: (),
     pub front: (),
+    pub front_summary: (),
     pub polish: (),
     pub matrices: (),
     #[serde(flatten)]
@@ -127,6 +143,8 @@ pub struct Certificate {
     pub candidates: usize,
     /// How many of them the reference could not run.
     pub refused: usize,
+    /// How many of them it finds infeasible or, of a front, dominated by another.
+    pub dropped: usize,
 }
 
 /// The local search that ended a study of one objective.
@@ -140,16 +158,24 @@ pub struct Polish {
     pub after: Named<f64>,
 }
 
+impl LogFacts {
+    /// Of a whole log, before anything is held out.
+    #[must_use]
+    pub fn of(log: &Log) -> Self {
+        Self { source: log.source.clone(), rows: log.rows(), trajectories: log.trajectories.len() }
+    }
+}
+
 impl Effort {
     /// Of a finished study of `problem` over `log`, computed on `device`.
     #[must_use]
-    pub fn of(problem: &Problem, log: &Log, outcome: &Outcome, device: Device, warnings: Vec<String>) -> Self {
+    pub fn of(problem: &Problem, log: LogFacts, outcome: &Outcome, device: Device, warnings: Vec<String>) -> Self {
         let baseline = &outcome.baseline;
         let searched = problem.parameters.searched().map(|(parameter, _)| parameter);
         let units = searched.map(|p| p.unit.clone());
         Self {
             problem: problem.source.clone(),
-            log: LogFacts { source: log.source.clone(), rows: log.rows(), trajectories: log.trajectories.len() },
+            log,
             algorithm: outcome.algorithm.to_owned(),
             units: Named::new(problem.parameters.names(), units),
             baseline: Scored {
@@ -177,8 +203,12 @@ impl Effort {
             objectives: (),
             validation: (),
             consistency: (),
+            consistency_on: (),
             certificate: (),
+            constraints: (),
+            feasible: (),
             front: (),
+            front_summary: (),
             polish: (),
             matrices: (),
         }
@@ -186,11 +216,18 @@ impl Effort {
 }
 
 impl Tuning {
-    /// The result with its winner, which runs once more through the reference.
+    /// The result of a study over `split.train`, and its winner, which runs once more through the reference, and through
+    /// what is held out.
     ///
     /// # Errors
-    /// If that run fails; it does not for a winner of [`study::run`].
-    pub fn of(effort: Effort, problem: &Problem, log: &Log, winner: &Winner) -> Result<Self, Failure> {
+    /// If the run over the training rows fails; it does not for a winner of [`study::run`].
+    pub fn of(
+        effort: Effort,
+        problem: &Problem,
+        split: &Split,
+        (outcome, winner): (&Outcome, &Winner),
+    ) -> Result<Self, Failure> {
+        let log = &split.train;
         let mut evidence = Evidence::new(problem, log);
         let mut last_gain = None;
         reference::visit(problem, log, &winner.candidate, &mut |trajectory, step| {
@@ -202,21 +239,29 @@ impl Tuning {
             .searched()
             .zip(&winner.candidate)
             .filter_map(|((parameter, search), value)| Some((parameter.name.clone(), Bound::of(search, *value)?)));
-        let raw = problem.tune.objectives.iter().filter_map(|o| Some((o.name(), raw_rmse(problem, log, o)?)));
+        let from = vec![0; log.trajectories.len()];
+        let raw = problem.tune.objectives.iter().filter_map(|o| Some((o.name(), raw_rmse(problem, log, &from, o)?)));
+        let held_out = split.held_out.as_ref().and_then(|held| on_held_out(problem, held, &winner.candidate));
+        let consistency_on = if held_out.is_some() { Rows::HeldOut } else { Rows::InSample };
+        let (points, summary) = front(problem, outcome, split.held_out.as_ref()).unzip();
         let mut tuning = Self {
-            effort,
             parameters: parameters(problem, &winner.candidate),
             at_bound: at_bound.collect(),
             simulated_with: simulated_with(problem),
             objectives: objectives(problem, &winner.objectives),
             measured_rows: evidence.measured_rows(),
-            validation: None,
-            consistency: evidence.judge(problem, &winner.candidate),
+            validation: validation(problem, split, &effort.baseline, winner),
+            consistency: held_out.as_ref().unwrap_or(&evidence).judge(problem, &winner.candidate),
+            consistency_on,
             certificate: Certificate::of(problem, &winner.certificate),
-            front: None,
+            constraints: constraint_checks(problem, outcome),
+            feasible: winner.violation <= 0.0,
+            front: points,
+            front_summary: summary,
             polish: winner.polish.as_ref().map(|polish| Polish::of(problem, polish)),
             matrices: Matrices::of(problem, log, &winner.candidate, last_gain),
             raw_measurements: raw.collect(),
+            effort,
         };
         let found = Warning::of(&tuning);
         tuning.effort.warnings.extend(found.iter().map(ToString::to_string));
@@ -233,6 +278,7 @@ impl Certificate {
             order_held: certificate.order_held,
             candidates: certificate.finalists,
             refused: certificate.refused,
+            dropped: certificate.dropped,
         }
     }
 }
@@ -245,6 +291,28 @@ impl Polish {
             after: objectives(problem, &polish.after),
         }
     }
+}
+
+/// Scores of baseline and winner on what is held out, if anything is.
+fn validation(problem: &Problem, split: &Split, baseline: &Scored, winner: &Winner) -> Option<Validation> {
+    let values = |named: &Named<f64>| named.iter().map(|(_, value)| *value).collect::<Vec<f64>>();
+    let (candidate, objectives) = (values(&baseline.parameters), baseline.objectives.as_ref().map(values));
+    let baseline = Trained { candidate: &candidate, objectives: objectives.as_deref() };
+    let winner = Trained { candidate: &winner.candidate, objectives: Some(&winner.objectives) };
+    Validation::of(problem, split, baseline, winner)
+}
+
+/// The evidence of the held-out rows; `None` where the filter fails.
+fn on_held_out(problem: &Problem, held_out: &HeldOut, candidate: &[f64]) -> Option<Evidence> {
+    let mut evidence = Evidence::new(problem, &held_out.log);
+    let run = reference::visit(problem, &held_out.log, candidate, &mut |trajectory, step| {
+        if step.row >= held_out.from[trajectory] {
+            evidence.add(trajectory, step);
+        } else {
+            evidence.pass(trajectory, step);
+        }
+    });
+    run.is_ok().then_some(evidence)
 }
 
 fn simulated_with(problem: &Problem) -> Named<f64> {

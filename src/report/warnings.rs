@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use super::{Tuning, count, significant};
+use super::{Tuning, Validation, count, significant};
+use crate::optimize;
 
 /// Relative difference between search and reference above which single precision is worth a warning: ten times what is
 /// promised of it.
@@ -13,6 +14,17 @@ const LARGE_GAP: f64 = 1e-4;
 pub enum Warning {
     /// The winner's first objective is not below the baseline's.
     NoGain,
+    /// On held-out rows the winner is worse than the baseline.
+    WorseOnHeldOut,
+    /// The winner fails on held-out rows.
+    FailsOnHeldOut,
+    /// A method for several objectives was given one.
+    OneObjective {
+        /// Its name.
+        algorithm: String,
+    },
+    /// The front has a single member.
+    OneMember,
     /// Candidates failed.
     Failures {
         /// How many.
@@ -44,6 +56,9 @@ impl Warning {
         let gap = certificate.largest_relative_gap;
         [
             (!gains(tuning)).then_some(Self::NoGain),
+            tuning.validation.as_ref().and_then(on_held_out),
+            one_objective(tuning),
+            tuning.front.as_ref().filter(|front| front.len() == 1).map(|_| Self::OneMember),
             (failed > 0).then_some(Self::Failures { failed, evaluations }),
             (!certificate.order_held).then(|| Self::OrderChanged { precision: precision.clone() }),
             (gap > LARGE_GAP).then(|| Self::LargeGap { gap, precision: precision.clone() }),
@@ -54,9 +69,27 @@ impl Warning {
     }
 }
 
-/// Whether the first objective is below the baseline's, where that has one.
-fn gains(Tuning { effort, objectives, .. }: &Tuning) -> bool {
+fn on_held_out(validation: &Validation) -> Option<Warning> {
+    match (&validation.winner, validation.worse) {
+        (None, _) => Some(Warning::FailsOnHeldOut),
+        (Some(_), worse) => worse.then_some(Warning::WorseOnHeldOut),
+    }
+}
+
+/// Whether a method that is for fronts had one objective; random search is for anything.
+fn one_objective(Tuning { effort, objectives, .. }: &Tuning) -> Option<Warning> {
+    let row = optimize::algorithm(&effort.algorithm).ok()?;
+    let for_fronts = row.maximum_objectives > 1 && row.maximum_objectives < usize::MAX;
+    (for_fronts && objectives.iter().len() == 1).then(|| Warning::OneObjective { algorithm: row.name.to_owned() })
+}
+
+/// Whether the first objective is below the baseline's, where that has one that meets the constraints.
+fn gains(Tuning { effort, objectives, constraints, .. }: &Tuning) -> bool {
     let Some((name, tuned)) = objectives.iter().next() else { return true };
+    // Of several objectives the recommended member is a compromise; the report of the front says how it compares.
+    if objectives.iter().len() > 1 || constraints.iter().any(|c| !c.met_by_baseline()) {
+        return true;
+    }
     let baseline = effort.baseline.objectives.as_ref().and_then(|o| o.get(name));
     baseline.is_none_or(|baseline| tuned < baseline)
 }
@@ -68,6 +101,22 @@ impl fmt::Display for Warning {
         match self {
             Self::NoGain => f.write_str(
                 "the tuned parameters are no better than the baseline (search longer, or with the start values in it)",
+            ),
+            Self::WorseOnHeldOut => f.write_str(
+                "tuned parameters are worse than yours on held-out data (keep yours, or search fewer parameters, or on \
+                 more rows)",
+            ),
+            Self::FailsOnHeldOut => f.write_str(
+                "the filter with the tuned parameters fails on held-out data (keep yours, or narrow the bounds)",
+            ),
+            Self::OneObjective { algorithm } => write!(
+                f,
+                "{algorithm} searches for a front, and of one objective there is none (give a second one, or an algorithm \
+                 such as pso, which finds one optimum sooner)"
+            ),
+            Self::OneMember => f.write_str(
+                "the front has one member, which is the best in every objective at once (the objectives do not conflict, \
+                 or the search was too short)",
             ),
             Self::Failures { failed, evaluations } => write!(
                 f,

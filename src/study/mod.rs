@@ -1,26 +1,37 @@
 //! The study: the one loop of ask, evaluate, tell; then the f64 verdict on what it found.
 
 mod archive;
+mod checkpoint;
 mod coordinates;
 mod finish;
+mod front;
 mod record;
+mod search;
+mod snapshot;
 mod stop;
 #[cfg(test)]
 mod tests;
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
 
 pub use archive::{Archive, Scored};
+pub use checkpoint::{Checkpoint, CheckpointError, CheckpointFile, Identity, Source};
 pub use coordinates::Coordinates;
 pub use finish::{Certificate, Polish};
-pub use record::{FINALISTS, Generation, Observer};
+pub use front::{FRONT_CAPACITY, Front, FrontMember, Landmarks};
+pub use record::{FINALISTS, Generation, Observer, Reached};
+pub use snapshot::Snapshot;
 pub use stop::StopReason;
 
 use crate::evaluate::{Evaluation, Evaluator, Population};
 use crate::model::{Parameters, Problem, TuneSpec};
-use crate::optimize::{self, OptimizeError, Optimizer, Settings};
+use crate::optimize::{self, OptimizeError, Optimizer, RestoreError, Settings};
+use finish::{Bounds, Polished};
 use record::Record;
+use search::Search;
+
+/// Objectives of which a front is searched.
+pub const MAX_OBJECTIVES: usize = 4;
 
 /// What is searched, and how.
 #[derive(Debug, Clone, Copy)]
@@ -37,9 +48,22 @@ impl<'a> Study<'a> {
     pub const fn of(problem: &'a Problem) -> Self {
         Self { parameters: &problem.parameters, tune: &problem.tune }
     }
+
+    /// The optimiser that `tune.algorithm` names, for so many objectives.
+    fn optimizer(&self, objectives: usize) -> Result<Box<dyn Optimizer>, StudyError> {
+        if self.parameters.dimension() == 0 {
+            return Err(StudyError::NothingSearched);
+        }
+        let &TuneSpec { population, generations, seed, evaluations, include_start, .. } = self.tune;
+        let settings = Settings { population, generations, seed, objectives, evaluations };
+        let space = Coordinates::new(self.parameters, include_start).space();
+        Ok(optimize::build(&self.tune.algorithm, &space, &settings)?)
+    }
 }
 
-/// f64 costs of a candidate by the reference filter, `None` where it fails. Called from several threads.
+/// f64 costs of a candidate by the reference filter, `None` where it fails: the objectives and, behind them, what the
+/// constraints bound ([`crate::reference::scores`]; without constraints [`crate::reference::costs`]). Called from several
+/// threads.
 pub type Oracle<'a> = dyn Fn(&[f64]) -> Option<Vec<f64>> + Sync + 'a;
 
 /// Who decides after the search.
@@ -57,6 +81,8 @@ pub struct Baseline {
     pub candidate: Vec<f64>,
     /// Objectives by the oracle; `None` where it fails.
     pub objectives: Option<Vec<f64>>,
+    /// What the constraints bound, by the oracle.
+    pub constraints: Option<Vec<f64>>,
 }
 
 /// What the search found.
@@ -66,6 +92,11 @@ pub struct Winner {
     pub candidate: Vec<f64>,
     /// Objectives by the oracle.
     pub objectives: Vec<f64>,
+    /// What the constraints bound, by the oracle.
+    pub constraints: Vec<f64>,
+    /// How far it is from satisfying the constraints, by the oracle: 0 = feasible. Above 0 only if nothing feasible was
+    /// found; then this is what violates least.
+    pub violation: f64,
     /// How far search and oracle agree.
     pub certificate: Certificate,
     /// The local search after it; `None` when off or interrupted.
@@ -79,8 +110,16 @@ pub struct Outcome {
     pub algorithm: &'static str,
     /// The user's own candidate.
     pub baseline: Baseline,
-    /// The best candidate; `None` if every one failed, in the search or by the oracle.
+    /// The best candidate, of a front the recommended member; `None` if every one failed, in the search or by the oracle.
     pub winner: Option<Winner>,
+    /// With several objectives, everything feasible that nothing else dominates by the oracle, best first objective first;
+    /// at most [`FRONT_CAPACITY`] members and the user's start.
+    pub front: Vec<FrontMember>,
+    /// Where the knee and the ends of the front are; `None` without a front.
+    pub landmarks: Option<Landmarks>,
+    /// The point that [`Generation::hypervolume`] is measured from; empty with one objective, and while nothing feasible
+    /// was found.
+    pub reference_point: Vec<f64>,
     /// One row a generation.
     pub history: Vec<Generation>,
     /// Generations run, with the initial one.
@@ -116,6 +155,37 @@ pub enum StudyError {
         /// Candidates of generation 0.
         population: usize,
     },
+    /// More objectives than a front is found for.
+    #[error(
+        "{objectives} objectives: a front of at most {limit} is searched (keep those that matter most, and bound the \
+         others by constraints)"
+    )]
+    TooManyObjectives {
+        /// Objectives received.
+        objectives: usize,
+        /// Most that there may be.
+        limit: usize,
+    },
+    /// The oracle leaves out what the constraints bound.
+    #[error(
+        "the oracle returned {received} values for {expected} objectives and constraints: give it those of \
+         reference::scores"
+    )]
+    Oracle {
+        /// Objectives and constraints.
+        expected: usize,
+        /// Values received.
+        received: usize,
+    },
+    /// The optimiser refuses its saved state.
+    #[error(transparent)]
+    Restore(#[from] RestoreError),
+    /// The saved search is another one.
+    #[error("the saved search is not one of this study: {problem} (resume it with the study that saved it)")]
+    Snapshot {
+        /// What does not fit.
+        problem: &'static str,
+    },
     /// The evaluator broke its contract.
     #[error("the evaluator returned {received} costs for {expected} candidates: it must return one row each")]
     Evaluator {
@@ -130,8 +200,9 @@ pub enum StudyError {
 /// and polishes the winner.
 ///
 /// Between generations `interrupt` is read: once true, the search ends with the best so far and polish is left out. A
-/// generation starts only if all of it fits in the evaluations allowed. Apart from times, the outcome depends on the
-/// study and the costs alone, as long as neither wall time nor an interrupt ends it.
+/// generation starts only if all of it fits in the evaluations allowed; one of several parts ends with the last part
+/// that fits. Apart from times, the outcome depends on the study and the costs alone, as long as neither wall time nor
+/// an interrupt ends it.
 ///
 /// # Errors
 /// If nothing is searched, the optimiser cannot be built, the budget holds no generation, or the evaluator returns the
@@ -143,19 +214,7 @@ pub fn run(
     observers: &mut [&mut dyn Observer],
     interrupt: &AtomicBool,
 ) -> Result<Outcome, StudyError> {
-    let tune = study.tune;
-    let settings = Settings {
-        population: tune.population,
-        generations: tune.generations,
-        seed: tune.seed,
-        objectives: evaluator.objectives(),
-        evaluations: tune.evaluations,
-    };
-    if study.parameters.dimension() == 0 {
-        return Err(StudyError::NothingSearched);
-    }
-    let space = Coordinates::new(study.parameters, tune.include_start).space();
-    let mut optimizer = optimize::build(&tune.algorithm, &space, &settings)?;
+    let mut optimizer = study.optimizer(evaluator.objectives())?;
     run_with(study, optimizer.as_mut(), evaluator, judge, observers, interrupt)
 }
 
@@ -172,23 +231,80 @@ pub fn run_with(
     observers: &mut [&mut dyn Observer],
     interrupt: &AtomicBool,
 ) -> Result<Outcome, StudyError> {
+    let task = Task { study, optimizer, from: None };
+    run_task(task, evaluator, judge, observers, interrupt)
+}
+
+/// As [`run`], going on from where a search of the same study stood: the outcome has the bits of one that was never
+/// interrupted, if the evaluator's costs have. Limits may be others than before; a search that had ended by a limit
+/// which no longer holds goes on.
+///
+/// # Errors
+/// As [`run`]; and if the saved search does not fit the study.
+pub fn resume(
+    study: &Study<'_>,
+    from: &Snapshot,
+    evaluator: &mut dyn Evaluator,
+    judge: Judge<'_>,
+    observers: &mut [&mut dyn Observer],
+    interrupt: &AtomicBool,
+) -> Result<Outcome, StudyError> {
+    let mut optimizer = study.optimizer(evaluator.objectives())?;
+    let task = Task { study, optimizer: optimizer.as_mut(), from: Some(from) };
+    run_task(task, evaluator, judge, observers, interrupt)
+}
+
+/// A study, the optimiser that moves its candidates, and where the search begins.
+pub struct Task<'a> {
+    /// What is searched, and how.
+    pub study: &'a Study<'a>,
+    /// Newly built; it moves in the [`Coordinates`] of the study.
+    pub optimizer: &'a mut dyn Optimizer,
+    /// The search to go on from; `None` = begin with generation 0.
+    pub from: Option<&'a Snapshot>,
+}
+
+/// What [`run`], [`run_with`] and [`resume`] are short for.
+///
+/// # Errors
+/// As they have.
+pub fn run_task(
+    task: Task<'_>,
+    evaluator: &mut dyn Evaluator,
+    judge: Judge<'_>,
+    observers: &mut [&mut dyn Observer],
+    interrupt: &AtomicBool,
+) -> Result<Outcome, StudyError> {
+    let Task { study, optimizer, from } = task;
     let tune = study.tune;
     if study.parameters.dimension() == 0 {
         return Err(StudyError::NothingSearched);
     }
     let coordinates = Coordinates::new(study.parameters, tune.include_start);
-    let mut record = Record::new();
-    let mut search = Search { tune, coordinates: &coordinates, optimizer, evaluator, record: &mut record };
+    let bounds = Bounds { objectives: evaluator.objectives(), constraints: &tune.constraints };
+    if bounds.objectives > MAX_OBJECTIVES {
+        return Err(StudyError::TooManyObjectives { objectives: bounds.objectives, limit: MAX_OBJECTIVES });
+    }
+    let baseline = baseline(study.parameters.baseline(), judge.oracle, bounds)?;
+    let mut record = Record::new(bounds.objectives);
+    if let Some(from) = from {
+        from.check(optimizer.name(), study.parameters.dimension(), bounds.objectives)?;
+        optimizer.restore(&from.optimizer)?;
+        record = Record::of(from);
+    }
+    let search = Search::new(tune, &coordinates, optimizer, evaluator, &mut record);
+    let mut search = search.restored(from.map(|from| from.optimizer.as_slice()));
     let ended = search.run(observers, interrupt)?;
-    let candidate = study.parameters.baseline();
-    let baseline = Baseline { objectives: finish::ask_oracle(judge.oracle, &candidate), candidate };
-    let winner = decide(tune, &coordinates, &record, evaluator, judge, interrupt)?;
+    let Decision { winner, front, landmarks } = decide(tune, &coordinates, &record, evaluator, judge, interrupt)?;
     let stop = if interrupt.load(Ordering::Relaxed) { StopReason::Interrupted } else { ended };
     Ok(Outcome {
         algorithm: optimizer.name(),
         baseline,
         winner,
-        generations: record.generations,
+        front,
+        landmarks,
+        reference_point: record.front.as_ref().map_or_else(Vec::new, |front| front.reference().to_vec()),
+        generations: record.generations(),
         evaluations: record.evaluations,
         failed: record.failed,
         stop,
@@ -196,59 +312,6 @@ pub fn run_with(
         wall_s: record.seconds(),
         history: record.history,
     })
-}
-
-/// The one loop.
-struct Search<'s> {
-    tune: &'s TuneSpec,
-    coordinates: &'s Coordinates,
-    optimizer: &'s mut dyn Optimizer,
-    evaluator: &'s mut dyn Evaluator,
-    record: &'s mut Record,
-}
-
-impl Search<'_> {
-    fn run(&mut self, observers: &mut [&mut dyn Observer], interrupt: &AtomicBool) -> Result<StopReason, StudyError> {
-        loop {
-            if let Some(reason) = stop::reason(self.tune, self.record, interrupt) {
-                return Ok(reason);
-            }
-            let Some(positions) = self.optimizer.ask() else {
-                return Ok(StopReason::Generations);
-            };
-            if !self.fits(positions.len())? {
-                return Ok(StopReason::Evaluations);
-            }
-            self.generation(&positions)?;
-            let row = &self.record.history[self.record.generations - 1];
-            for observer in observers.iter_mut() {
-                observer.generation(row, self.record.archive.best());
-            }
-        }
-    }
-
-    /// Whether a generation of this size fits in the evaluations allowed; the first one must.
-    fn fits(&self, population: usize) -> Result<bool, StudyError> {
-        let allowed = self.tune.evaluations.unwrap_or(u64::MAX);
-        let fits = self.record.evaluations + population as u64 <= allowed;
-        if !fits && self.record.generations == 0 {
-            return Err(StudyError::BudgetTooSmall { evaluations: allowed, population });
-        }
-        Ok(fits)
-    }
-
-    fn generation(&mut self, positions: &Population) -> Result<(), StudyError> {
-        let candidates = self.coordinates.candidates(positions);
-        let clock = Instant::now();
-        let costs = evaluate(self.evaluator, &candidates)?;
-        self.record.evaluate_s += clock.elapsed().as_secs_f64();
-        self.optimizer.tell(positions, &costs);
-        if self.record.generations == 0 {
-            self.record.keep_start(self.coordinates.start(), &candidates, &costs);
-        }
-        self.record.add(&candidates, &costs);
-        Ok(())
-    }
 }
 
 /// Costs of a population, one row a candidate or an error.
@@ -261,8 +324,25 @@ fn evaluate(evaluator: &mut dyn Evaluator, candidates: &Population) -> Result<Ev
     }
 }
 
-/// The winner of the finalists, certified and polished. The user's start is always among the finalists if the search
-/// could score it, so that no winner is worse than the baseline.
+/// The user's own candidate by the oracle, which must give as many values as there are objectives and constraints.
+fn baseline(candidate: Vec<f64>, oracle: &Oracle<'_>, bounds: Bounds<'_>) -> Result<Baseline, StudyError> {
+    if let Some(values) = oracle(&candidate).filter(|values| values.len() != bounds.scorers()) {
+        return Err(StudyError::Oracle { expected: bounds.scorers(), received: values.len() });
+    }
+    let verdict = bounds.ask(oracle, &candidate);
+    let (objectives, constraints) = verdict.map(|v| (v.objectives, v.constraints)).unzip();
+    Ok(Baseline { candidate, objectives, constraints })
+}
+
+/// What the oracle made of a search.
+struct Decision {
+    winner: Option<Winner>,
+    front: Vec<FrontMember>,
+    landmarks: Option<Landmarks>,
+}
+
+/// The winner of the front or, where that is empty or there is one objective, of the finalists; certified. The user's
+/// start is always among them if the search could score it, so that no winner is worse than the baseline.
 fn decide(
     tune: &TuneSpec,
     coordinates: &Coordinates,
@@ -270,20 +350,50 @@ fn decide(
     evaluator: &mut dyn Evaluator,
     judge: Judge<'_>,
     interrupt: &AtomicBool,
-) -> Result<Option<Winner>, StudyError> {
-    let mut finalists = record.archive.members().to_vec();
-    finalists.extend(record.start.iter().filter(|start| !record.archive.members().contains(start)).cloned());
-    let Some((mut winner, certificate)) = finish::certify(&finalists, judge.oracle) else {
-        return Ok(None);
+) -> Result<Decision, StudyError> {
+    let with_start = |mut found: Vec<Scored>| {
+        let start = record.start.iter().filter(|start| !found.iter().any(|f| f.candidate == start.candidate));
+        let start: Vec<Scored> = start.cloned().collect();
+        found.extend(start);
+        found
     };
-    let polish = if tune.polish && !interrupt.load(Ordering::Relaxed) {
+    let bounds = Bounds { objectives: evaluator.objectives(), constraints: &tune.constraints };
+    if let Some(front) = &record.front
+        && let Some(certified) = front::certify(&with_start(front.members()), judge.oracle, bounds, &tune.pick)
+    {
+        return Ok(Decision::of(certified));
+    }
+    let finalists = with_start(record.archive.members().to_vec());
+    let Some((mut candidate, mut verdict, certificate)) = finish::certify(&finalists, judge.oracle, bounds) else {
+        return Ok(Decision { winner: None, front: Vec::new(), landmarks: None });
+    };
+    let polish = if tune.polish && bounds.objectives == 1 && !interrupt.load(Ordering::Relaxed) {
         let local: &mut dyn Evaluator = match judge.polisher {
             Some(polisher) => polisher,
             None => evaluator,
         };
-        Some(finish::polish(&mut winner, coordinates, &finalists, local, judge.oracle, interrupt)?)
+        let best = Polished { candidate: &mut candidate, verdict: &mut verdict };
+        Some(finish::polish(best, coordinates, &finalists, local, (judge.oracle, bounds), interrupt)?)
     } else {
         None
     };
-    Ok(Some(Winner { candidate: winner.candidate, objectives: winner.costs, certificate, polish }))
+    let finish::Verdict { objectives, constraints, violation } = verdict;
+    let winner = Winner { candidate, objectives, constraints, violation, certificate, polish };
+    Ok(Decision { winner: Some(winner), front: Vec::new(), landmarks: None })
+}
+
+impl Decision {
+    /// The recommended member of a front wins.
+    fn of(certified: front::Certified) -> Self {
+        let front::Certified { members, landmarks, certificate } = certified;
+        let winner = members.get(landmarks.recommended).map(|member| Winner {
+            candidate: member.candidate.clone(),
+            objectives: member.objectives.clone(),
+            constraints: member.constraints.clone(),
+            violation: 0.0,
+            certificate,
+            polish: None,
+        });
+        Self { winner, front: members, landmarks: Some(landmarks) }
+    }
 }

@@ -15,7 +15,7 @@ pub enum StopReason {
     Evaluations,
     /// The time allowed is over.
     WallTime,
-    /// No relative gain of 1e-9 for the number of generations allowed.
+    /// No relative gain of 1e-9, with several objectives in hypervolume, for the number of generations allowed.
     Stall,
     /// The target is reached.
     Target,
@@ -41,13 +41,13 @@ impl StopReason {
 /// Why no further generation may start, if so. Looked at between generations only, so a stop never cuts one short; only
 /// an interrupt may keep generation 0 from starting.
 pub(super) fn reason(tune: &TuneSpec, record: &Record, interrupt: &AtomicBool) -> Option<StopReason> {
-    let best = record.archive.best().map(|best| best.costs[0]);
+    let best = record.archive.best().filter(|best| best.violation <= 0.0).map(|best| best.costs[0]);
     let reached = |target: f64| best.is_some_and(|best| best <= target);
     if interrupt.load(Ordering::Relaxed) {
         Some(StopReason::Interrupted)
     } else if tune.target.is_some_and(reached) {
         Some(StopReason::Target)
-    } else if record.generations == 0 {
+    } else if record.generations() == 0 {
         None
     } else if tune.stall.is_some_and(|limit| record.stalled >= limit) {
         Some(StopReason::Stall)

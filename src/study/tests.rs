@@ -1,14 +1,18 @@
 //! The loop on the mock evaluator.
 
+mod resume;
+
 use super::*;
 use crate::evaluate::mock::{Landscape, Mock};
-use crate::model::{Parameter, Scale, Search as Range, Value};
+use crate::model::{Parameter, Pick, Scale, Search as Range, Value};
 use crate::objective::{Kind, Objective};
 
 fn tune(algorithm: &str, population: usize, generations: usize) -> TuneSpec {
     TuneSpec {
         algorithm: algorithm.to_owned(),
         objectives: vec![Objective::new(Kind::Nll)],
+        constraints: Vec::new(),
+        pick: Pick::Knee,
         population,
         generations,
         seed: 3,

@@ -5,9 +5,12 @@
 
 mod bad_input;
 mod bench;
+mod checkpoint;
 mod command;
 mod evaluate;
 mod examples;
 mod filter;
+mod front;
 mod gpu;
 mod tune;
+mod validation;

@@ -7,7 +7,7 @@ use serde_json::Value;
 use crate::command::{Finished, Folder};
 
 /// A result without what may differ from run to run: times, and the number of threads in the device's name.
-fn without_times(mut json: Value) -> Value {
+pub(crate) fn without_times(mut json: Value) -> Value {
     let object = json.as_object_mut().unwrap();
     for key in ["wall_s", "evaluate_s"] {
         assert!(object.remove(key).is_some_and(|v| v.is_f64()), "{key} is there");
@@ -92,7 +92,7 @@ fn flags_take_the_place_of_the_file() {
 fn the_folder_holds_everything_and_its_problem_runs() {
     let folder = Folder::with_level();
     let json = tune(&folder, &["--out", "results/first"]);
-    assert_eq!(folder.names("results/first"), ["history.csv", "result.json", "tuned.toml"]);
+    assert_eq!(folder.names("results/first"), ["checkpoint.kfgpu", "history.csv", "result.json", "tuned.toml"]);
     let written: Value = serde_json::from_str(&folder.read("results/first/result.json")).unwrap();
     assert_eq!(written, json);
     let history = folder.read("results/first/history.csv");
@@ -146,7 +146,7 @@ fn nothing_usable_exits_1_and_says_so_everywhere() {
     assert!(json["parameters"].is_null() && json["objectives"].is_null(), "{json}");
     assert!(json["baseline"]["objectives"].is_null(), "{json}");
     assert_eq!(json["failed"], json["evaluations"]);
-    assert_eq!(folder.names("out"), ["history.csv", "result.json"], "there is no tuned problem");
+    assert_eq!(folder.names("out"), ["checkpoint.kfgpu", "history.csv", "result.json"], "there is no tuned problem");
 
     let finished = folder.run(&["filter", "problem.toml"]).expect(2);
     assert!(finished.stderr.contains("error: log.csv:"), "{}", finished.stderr);
@@ -196,7 +196,7 @@ fn ctrl_c_writes_the_best_so_far_and_exits_130() {
     let json = finished.json();
     assert_eq!(json["stop"], "interrupted");
     assert!(json["objectives"]["nll"].as_f64() < json["baseline"]["objectives"]["nll"].as_f64(), "{json}");
-    assert_eq!(folder.names("out"), ["history.csv", "result.json", "tuned.toml"]);
+    assert_eq!(folder.names("out"), ["checkpoint.kfgpu", "history.csv", "result.json", "tuned.toml"]);
 }
 
 #[cfg(unix)]

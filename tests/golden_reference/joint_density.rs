@@ -3,8 +3,10 @@
 
 use std::f64::consts::TAU;
 
-use kfgpu::data::Log;
+use kfgpu::data::{Log, Split};
+use kfgpu::model::{SplitBy, ValidateSpec};
 use kfgpu::objective::{Kind, Objective};
+use kfgpu::reference::costs_held_out;
 
 use super::joint::{Draws, Joint, draw_log, model};
 use super::support::{Linear, cost};
@@ -38,4 +40,29 @@ fn nll_is_the_joint_log_density() {
         worst = worst.max(error);
     }
     println!("largest relative error of nll over 300 random logs: {worst:.1e}");
+}
+
+/// -ln p(future | past) is the difference of two joint densities, of which the filter knows nothing.
+#[test]
+fn held_out_nll_is_that_of_the_future_given_the_past() {
+    let mut worst = 0.0f64;
+    let mut scored = 0;
+    for case in 0..100 {
+        let mut draws = Draws(1000 + case);
+        let model = model(&mut draws, 2, 2, 1);
+        let log = draw_log(&mut draws, &model, 7);
+        let mut problem = model.problem();
+        problem.data.file = Some("log.csv".into());
+        problem.data.validate = Some(ValidateSpec { share: 0.4, by: Some(SplitBy::Time) });
+        // Draws without a measurement in one of the parts are refused.
+        let Ok(Split { train, held_out: Some(held_out) }) = Split::of(&problem, log.clone()) else { continue };
+        assert_eq!((train.rows(), held_out.rows()), (4, 3), "0.4 of 7 rows is 2.8");
+        let expected = joint_nll(&model, &log) - joint_nll(&model, &train);
+        let found = costs_held_out(&problem, &held_out, &[]).expect("the run succeeds")[0];
+        let error = (found - expected).abs() / expected.abs().max(1.0);
+        assert!(error < 1e-9, "case {case}: filter {found}, conditional density {expected}");
+        (worst, scored) = (worst.max(error), scored + 1);
+    }
+    assert!(scored > 80, "{scored} of 100 logs can be parted");
+    println!("largest relative error of the held-out nll over {scored} random logs: {worst:.1e}");
 }

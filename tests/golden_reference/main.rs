@@ -4,6 +4,7 @@
 
 mod diffuse;
 mod examples;
+mod held_out;
 mod joint;
 mod joint_density;
 mod rules;

@@ -1,7 +1,9 @@
 //! Problems and logs as numbers, without a problem file.
 
 use kfgpu::data::{Log, Table, Trajectory};
-use kfgpu::model::{Binary, DataSpec, Expr, FilterKind, First, Model, Parameters, Problem, Start, Symbol, TuneSpec};
+use kfgpu::model::{
+    Binary, DataSpec, Expr, FilterKind, First, Model, Parameters, Pick, Problem, Start, Symbol, TuneSpec,
+};
 use kfgpu::objective::{Kind, Objective};
 use nalgebra::{DMatrix, DVector};
 
@@ -101,6 +103,8 @@ pub(crate) fn vector<const N: usize>(entries: [f64; N]) -> DVector<f64> {
 
 pub(crate) fn tune(objectives: Vec<Objective>) -> TuneSpec {
     TuneSpec {
+        constraints: Vec::new(),
+        pick: Pick::Knee,
         algorithm: "pso".into(),
         objectives,
         population: 1,

@@ -6,7 +6,7 @@ use crate::{adapter, bits, cpu, gpu, options};
 use kfgpu::evaluate::gpu::{AdapterError, GpuError, GpuEvaluator};
 use kfgpu::evaluate::{Evaluation, Evaluator, Population, Precision};
 use kfgpu::reference;
-use kfgpu::study::{self, Judge, Study};
+use kfgpu::study::{self, Generation, Judge, Observer, Outcome, Scored, Snapshot, Study};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
 
@@ -114,6 +114,55 @@ fn a_study_that_loses_its_gpu_ends_as_one_that_goes_on_with_the_cpu() {
     assert_eq!(winner, expected, "winner and certificate");
     let all = |lossy: &Lossy| lossy.seen.iter().flat_map(bits).collect::<Vec<_>>();
     assert_eq!(all(&lossy), all(&switched), "costs of every generation");
+}
+
+/// Keeps the state after every generation.
+#[derive(Default)]
+struct Keeper(Vec<Snapshot>);
+
+impl Observer for Keeper {
+    fn generation(&mut self, _row: &Generation, _best: Option<&Scored>) {}
+
+    fn keeps_states(&self) -> bool {
+        true
+    }
+
+    fn state(&mut self, make: &dyn Fn() -> Snapshot, ended: bool) {
+        self.0.extend((!ended).then(make));
+    }
+}
+
+/// What does not depend on the clock.
+fn without_times(mut outcome: Outcome) -> Outcome {
+    outcome.history.iter_mut().for_each(|row| row.seconds = 0.0);
+    Outcome { evaluate_s: 0.0, wall_s: 0.0, ..outcome }
+}
+
+#[test]
+fn a_loss_ends_as_the_checkpoint_before_it_resumed_on_the_cpu() {
+    let Some(adapter) = adapter() else { return };
+    let mut case = case();
+    case.problem.tune.population = 20;
+    case.problem.tune.generations = 6;
+    case.problem.tune.polish = true;
+    case.problem.tune.objectives.truncate(1);
+    let oracle = |candidate: &[f64]| reference::costs(&case.problem, &case.log, candidate).ok();
+    let (study, flag) = (Study::of(&case.problem), AtomicBool::new(false));
+    for lost in 1..7 {
+        let evaluator = gpu(&case, &options(&adapter, Precision::F32));
+        let mut lossy = Lossy { evaluator, cpu: None, generation: 0, lost, seen: vec![] };
+        let (mut polisher, mut keeper) = (cpu(&case, Precision::F64), Keeper::default());
+        let judge = Judge { oracle: &oracle, polisher: Some(&mut polisher) };
+        let outcome = study::run(&study, &mut lossy, judge, &mut [&mut keeper], &flag).unwrap();
+        let at = |generation: usize| &keeper.0[generation].device;
+        assert_eq!((at(lost - 1).backend.as_str(), at(lost).backend.as_str()), ("gpu", "cpu"), "lost at {lost}");
+        assert_eq!((at(0).precision.as_str(), at(6).precision.as_str()), ("f32", "f32"), "lost at {lost}");
+
+        let (mut resumed, mut polisher) = (cpu(&case, Precision::F32), cpu(&case, Precision::F64));
+        let judge = Judge { oracle: &oracle, polisher: Some(&mut polisher) };
+        let again = study::resume(&study, &keeper.0[lost - 1], &mut resumed, judge, &mut [], &flag).unwrap();
+        assert_eq!(without_times(again), without_times(outcome), "lost at {lost}");
+    }
 }
 
 #[test]

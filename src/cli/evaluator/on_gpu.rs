@@ -3,7 +3,7 @@
 use super::Notices;
 use crate::cli::options::{Compute, PrecisionChoice};
 use crate::data::Log;
-use crate::evaluate::gpu::{AdapterError, GpuError, GpuEvaluator, GpuOptions};
+use crate::evaluate::gpu::{AdapterError, GpuError, GpuEvaluator, GpuOptions, adapters};
 use crate::evaluate::{BuildError, Evaluator, Precision};
 use crate::filter::TraceError;
 use crate::model::Problem;
@@ -43,6 +43,12 @@ pub(super) fn build(
         }
         Err(error) => Err(error.into()),
     }
+}
+
+/// The name of an adapter that is here, from the description of a device that ran on it.
+pub(in crate::cli) fn adapter_of(description: &str) -> Option<String> {
+    let describes = |name: &str| description.strip_prefix(name).is_some_and(|rest| rest.starts_with(" ("));
+    adapters().into_iter().map(|adapter| adapter.name).find(|name| describes(name))
 }
 
 /// In f32 unless f64 is asked for, or the problem needs it and the choice is free.

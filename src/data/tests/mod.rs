@@ -3,6 +3,7 @@
 mod errors;
 mod properties;
 mod reading;
+mod splitting;
 mod summary;
 
 use super::{Log, LogError};

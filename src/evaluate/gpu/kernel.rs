@@ -98,7 +98,7 @@ impl Kernel {
                 *time += clock.read(gpu)?;
             }
         }
-        Ok((Evaluation::of_parts(program.objectives(), parts), time))
+        Ok((Evaluation::of_parts(program, parts), time))
     }
 
     fn totals_bytes(&self, stride: usize) -> u64 {

@@ -18,7 +18,7 @@ use super::{BuildError, CpuOptions, Device, Evaluation, Evaluator, Population, P
 use crate::data::Log;
 use crate::filter::{Program, trace};
 use crate::model::Problem;
-use crate::objective::Objective;
+use crate::objective::{Constraint, Objective};
 use crate::tape::wgsl::WgslError;
 use device::Gpu;
 use kernel::Kernel;
@@ -112,15 +112,15 @@ impl std::fmt::Debug for GpuEvaluator {
 }
 
 impl GpuEvaluator {
-    /// An evaluator of the problem's own objectives.
+    /// An evaluator of the problem's own objectives and constraints.
     ///
     /// # Errors
     /// If there is no adapter, the filter cannot be traced, or the driver refuses the kernel.
     pub fn new(problem: &Problem, log: &Log, options: &GpuOptions) -> Result<Self, GpuError> {
-        Self::with_objectives(problem, log, &problem.tune.objectives, options)
+        Self::build(problem, log, &problem.tune.scorers(), &problem.tune.constraints, options)
     }
 
-    /// An evaluator of other objectives.
+    /// An evaluator of other objectives, without constraints.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -130,12 +130,23 @@ impl GpuEvaluator {
         objectives: &[Objective],
         options: &GpuOptions,
     ) -> Result<Self, GpuError> {
+        Self::build(problem, log, objectives, &[], options)
+    }
+
+    /// Of scorers whose last ones are held against `constraints`.
+    fn build(
+        problem: &Problem,
+        log: &Log,
+        scorers: &[Objective],
+        constraints: &[Constraint],
+        options: &GpuOptions,
+    ) -> Result<Self, GpuError> {
         let gpu = Gpu::open(options.adapter.as_deref(), options.precision)?;
         let nominal = match options.precision {
             Precision::F32 => Some(cpu::nominal(problem, log).map_err(BuildError::from)?),
             Precision::F64 => None,
         };
-        let program = trace(problem, log, objectives, nominal).map_err(BuildError::from)?;
+        let program = trace(problem, log, scorers, nominal).map_err(BuildError::from)?.constrained(constraints);
         let start = Instant::now();
         let kernel = Kernel::new(&gpu, &program, options, &problem.parameters.baseline())?;
         let kernel_build_time = start.elapsed();

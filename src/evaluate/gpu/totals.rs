@@ -24,7 +24,7 @@ impl Totals<'_> {
 
     /// Costs and status of the first `n` candidates.
     pub(super) fn finish(&self, program: &Program, layout: &Layout, n: usize) -> (Vec<f64>, Vec<Status>) {
-        let k = program.objectives();
+        let k = program.scorers();
         let mut costs = vec![0.0; n * k];
         let mut status = vec![Status::OK; n];
         let work = costs.par_chunks_mut(k.max(1)).zip(status.par_iter_mut()).enumerate();

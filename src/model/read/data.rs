@@ -1,13 +1,15 @@
 //! The `[data]` table.
 
-use super::node::{Fields, Node};
+use toml::de::DeValue;
+
+use super::node::{Fields, Node, shorten};
 use super::parameters::check_name;
 use crate::model::error::{Cause, Fault, nearest};
-use crate::model::{DataSpec, Span};
+use crate::model::{DataSpec, Span, SplitBy, ValidateSpec};
 
 const MAX_MEASUREMENTS: usize = 32;
 const MAX_INPUTS: usize = 64;
-const KEYS: [&str; 6] = ["file", "time", "measurements", "inputs", "truth", "trajectory"];
+const KEYS: [&str; 7] = ["file", "time", "measurements", "inputs", "truth", "trajectory", "validate"];
 
 /// Reads it; truth is checked against the states later, by [`check_truth`].
 pub(super) fn read(document: &Fields<'_>) -> Result<DataSpec, Fault> {
@@ -27,6 +29,7 @@ pub(super) fn read(document: &Fields<'_>) -> Result<DataSpec, Fault> {
         inputs: fields.optional("inputs", |n| n.names(expected))?.unwrap_or_default(),
         truth: fields.optional("truth", read_truth)?.unwrap_or_default(),
         trajectory: fields.optional("trajectory", Node::name)?,
+        validate: fields.optional("validate", read_validate)?.flatten(),
     };
     limit(measurements.span, spec.measurements.len(), "measurements", MAX_MEASUREMENTS)?;
     if let Some(inputs) = inputs {
@@ -44,6 +47,36 @@ fn read_truth(node: &Node<'_>) -> Result<Vec<(String, String)>, Fault> {
     fields.entries.iter().map(|(state, _, column)| Ok(((*state).to_owned(), column.name()?))).collect()
 }
 
+/// A share, `{ share = 0.3, by = "time" }`, or `false`.
+fn read_validate(node: &Node<'_>) -> Result<Option<ValidateSpec>, Fault> {
+    match node.value {
+        DeValue::Boolean(false) => Ok(None),
+        DeValue::Integer(_) | DeValue::Float(_) => Ok(Some(ValidateSpec { share: read_share(node)?, by: None })),
+        DeValue::Table(_) => {
+            let fields = node.table("a table", &["share", "by"])?;
+            let share = read_share(fields.need("share", "the share to hold out, such as 0.3")?)?;
+            Ok(Some(ValidateSpec { share, by: fields.optional("by", read_by)? }))
+        }
+        _ => Err(node.wrong_type("a share such as 0.3, a table with `share` and `by`, or false")),
+    }
+}
+
+fn read_share(node: &Node<'_>) -> Result<f64, Fault> {
+    let share = node.number()?;
+    if share > 0.0 && share < 1.0 {
+        return Ok(share);
+    }
+    Err(node.bad_value(share, "a share above 0 and below 1, or false to hold nothing out"))
+}
+
+fn read_by(node: &Node<'_>) -> Result<SplitBy, Fault> {
+    match node.string()? {
+        "trajectory" => Ok(SplitBy::Trajectory),
+        "time" => Ok(SplitBy::Time),
+        other => Err(node.bad_value(format!("\"{}\"", shorten(other)), "\"trajectory\" or \"time\"")),
+    }
+}
+
 /// Refuses truth of states that the model does not have.
 pub(super) fn check_truth(document: &Fields<'_>, states: &[String]) -> Result<(), Fault> {
     let Some(data) = document.get("data") else { return Ok(()) };
@@ -51,7 +84,7 @@ pub(super) fn check_truth(document: &Fields<'_>, states: &[String]) -> Result<()
     for (name, span, _) in &truth.table("a table", &[])?.entries {
         if !states.iter().any(|s| s == name) {
             let nearest = nearest(name, states.iter().map(String::as_str));
-            let (key, name, known) = (truth.key, super::node::shorten(name), states.to_vec());
+            let (key, name, known) = (truth.key, shorten(name), states.to_vec());
             return Err(Fault::new(*span, Cause::NoSuch { key, what: "the state", name, nearest, known }));
         }
     }

@@ -1,11 +1,14 @@
 //! A problem file to a [`Problem`]: one file a table.
 
+mod constraints;
 mod covariance;
 mod data;
 mod locate;
 mod model;
 mod node;
+mod objectives;
 mod parameters;
+mod pick;
 mod simulate;
 mod tune;
 

@@ -221,6 +221,11 @@ impl<'a> Node<'a> {
         }
     }
 
+    /// Where a part of the content of this string stands in the file; the whole string where escapes are in the way.
+    pub(super) fn within(&self, content: &str, start: usize, length: usize) -> Span {
+        self.offset(content).map_or(self.span, |offset| Span { start: offset + start, end: offset + start + length })
+    }
+
     /// The byte of the file at which a string's content starts; `None` where escapes make the two differ.
     fn offset(&self, content: &str) -> Option<usize> {
         let raw = self.source(self.span);

@@ -1,7 +1,9 @@
 //! The whole registry on the mock evaluator.
 
+mod fronts;
 mod local;
 mod refuelling;
+mod saved;
 mod steps;
 
 use super::*;
@@ -12,13 +14,27 @@ const fn settings(population: usize, generations: usize, seed: u64) -> Settings 
     Settings { population, generations, seed, objectives: 1, evaluations: None }
 }
 
-/// Every population asked for and the best cost seen.
-fn drive(optimizer: &mut dyn Optimizer, mock: &mut Mock) -> (Vec<Population>, f64) {
-    let (mut populations, mut best) = (Vec::new(), f64::INFINITY);
+/// All candidates of the next generation, in as many parts as it has, and the best cost among them.
+fn generation(optimizer: &mut dyn Optimizer, mock: &mut Mock) -> Option<(Population, f64)> {
+    let (mut whole, mut best) = (None::<Population>, f64::INFINITY);
     while let Some(population) = optimizer.ask() {
         let costs = mock.evaluate(&population);
         best = (0..costs.len()).map(|i| costs.costs(i)[0]).fold(best, f64::min);
         optimizer.tell(&population, &costs);
+        let whole = whole.get_or_insert_with(|| Population::new(population.dimension()));
+        population.rows().for_each(|row| whole.push(row));
+        if optimizer.generation_finished() {
+            break;
+        }
+    }
+    whole.map(|whole| (whole, best))
+}
+
+/// The candidates of every generation and the best cost seen.
+fn drive(optimizer: &mut dyn Optimizer, mock: &mut Mock) -> (Vec<Population>, f64) {
+    let (mut populations, mut best) = (Vec::new(), f64::INFINITY);
+    while let Some((population, cost)) = generation(optimizer, mock) {
+        best = best.min(cost);
         populations.push(population);
     }
     (populations, best)
@@ -167,7 +183,7 @@ fn wrong_use_says_what_to_do() {
     let message = |name, space: &Space, settings| build(name, space, &settings).err().expect("an error").to_string();
     assert_eq!(
         message("psso", &space, settings(9, 1, 1)),
-        "unknown algorithm \"psso\" (did you mean \"pso\"?): expected one of pso, pso-inertia, pio, pio-printed, pio+, random"
+        "unknown algorithm \"psso\" (did you mean \"pso\"?): expected one of pso, pso-inertia, pio, pio-printed, pio+, nsga2, nsga2-study, moma, moma-annealed, random"
     );
     assert!(
         message("simulated-annealing", &space, settings(9, 1, 1))
@@ -178,7 +194,16 @@ fn wrong_use_says_what_to_do() {
         "algorithm \"pio\" needs a population of at least 2, received 1: its landmark phase halves the flock"
     );
     let two = Settings { objectives: 2, ..settings(9, 1, 1) };
-    assert!(message("pso", &space, two).starts_with("algorithm \"pso\" minimises one objective, received 2: keep one"));
+    assert_eq!(
+        message("pso", &space, two),
+        "algorithm \"pso\" minimises one objective, received 2: keep 1 in [tune] objectives, or set [tune] algorithm = \
+         \"nsga2\", which finds a Pareto front of up to 4"
+    );
+    let five = Settings { objectives: 5, ..settings(9, 1, 1) };
+    assert_eq!(
+        message("nsga2", &space, five),
+        "algorithm \"nsga2\" minimises at most 4 objectives, received 5: keep 4 in [tune] objectives"
+    );
     for (lower, init) in [(2.0, [0.0, 1.0]), (f64::NAN, [0.0, 1.0]), (0.0, [1.0, 0.0]), (0.0, [0.0, f64::INFINITY])] {
         let broken = Space { lower: vec![lower], upper: vec![1.0], init: vec![init], seeds: Vec::new() };
         assert!(message("pso", &broken, settings(9, 1, 1)).starts_with("search coordinate 0: "), "{broken:?}");

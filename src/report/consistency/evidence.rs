@@ -74,6 +74,14 @@ impl Evidence {
         }
     }
 
+    /// A row that is not judged, before those that are: it counts only towards forgetting P0 and x0.
+    ///
+    /// # Panics
+    /// As [`Self::add`].
+    pub fn pass(&mut self, trajectory: usize, step: &Step) {
+        self.measured[trajectory] += usize::from(step.update.is_some());
+    }
+
     /// Rows that updated the filter so far.
     #[must_use]
     pub fn measured_rows(&self) -> usize {

@@ -195,7 +195,8 @@ fn of_course(axis: Axis, values: impl Iterator<Item = f64>, band: &Envelope) -> 
 }
 
 /// `nile: innovations`, after the problem file's name.
-pub(super) fn titled(problem: &Problem, what: &str) -> String {
+#[must_use]
+pub fn titled(problem: &Problem, what: &str) -> String {
     let name = std::path::Path::new(&problem.source).file_stem().map(|stem| stem.to_string_lossy().into_owned());
     match name.filter(|name| !name.is_empty()) {
         Some(name) => format!("{name}: {what}"),
@@ -203,11 +204,12 @@ pub(super) fn titled(problem: &Problem, what: &str) -> String {
     }
 }
 
-/// Time in seconds where the log has a column named so; else the column's own name.
+/// Time: a column named after it is in seconds, and one such as `year` or `k` counts what its name says.
 fn time_axis(problem: &Problem) -> Axis {
     match problem.data.time.as_deref() {
         None => Axis::new("row"),
         Some("t" | "time" | "T" | "Time") => Axis::new("time").unit("s"),
+        Some(column) if column.to_lowercase().starts_with("time") => Axis::new(column).unit("s"),
         Some(column) => Axis::new(column),
     }
 }

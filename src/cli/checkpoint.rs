@@ -1,0 +1,150 @@
+//! `tune --checkpoint` and `tune --resume`.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail};
+
+use super::console::Console;
+use super::evaluator::{self, Notices};
+use super::files;
+use super::load::{self, Loaded, Origin};
+use super::options::{Compute, DeviceChoice, PrecisionChoice};
+use crate::data::Log;
+use crate::evaluate::Device;
+use crate::model::Problem;
+use crate::study::{Checkpoint, CheckpointFile, Generation, Identity, Observer, Scored, Snapshot, Source};
+
+/// The checkpoint of a folder of results.
+pub(super) const NAME: &str = "checkpoint.kfgpu";
+
+/// A search to go on with.
+#[derive(Debug)]
+pub(super) struct Resumed {
+    checkpoint: Checkpoint,
+    file: PathBuf,
+    /// The folder of results, where that was named.
+    folder: Option<PathBuf>,
+}
+
+impl Resumed {
+    /// From a checkpoint, or the folder of results that it is in.
+    pub(super) fn open(path: &Path) -> anyhow::Result<Self> {
+        let folder = path.is_dir().then(|| path.to_path_buf());
+        let file = folder.as_ref().map_or_else(|| path.to_path_buf(), |folder| folder.join(NAME));
+        let checkpoint = Checkpoint::open(&file).with_context(|| cannot(&file))?;
+        Ok(Self { checkpoint, file, folder })
+    }
+
+    /// The checkpoint itself, to be written on.
+    pub(super) fn file(&self) -> &Path {
+        &self.file
+    }
+
+    /// The folder of results, where that was named.
+    pub(super) fn folder(&self) -> Option<&Path> {
+        self.folder.as_deref()
+    }
+
+    /// The search as it stood.
+    pub(super) const fn snapshot(&self) -> &Snapshot {
+        &self.checkpoint.snapshot
+    }
+
+    /// The problem of the checkpoint, with its flags.
+    pub(super) fn problem(&self) -> anyhow::Result<Problem> {
+        let Source { problem, text, .. } = &self.checkpoint.source;
+        Problem::parse(text, problem).with_context(|| cannot(&self.file))
+    }
+
+    /// The log that the checkpoint names, or `data`, for its problem.
+    pub(super) fn log(&self, problem: Problem, data: Option<&str>, console: Console) -> anyhow::Result<Loaded> {
+        let source = &self.checkpoint.source;
+        let data = data.or_else(|| found_again(source));
+        let is_built_in = data.is_none() && problem.data.file.as_deref().is_some_and(|file| file != "-");
+        let path = (!is_built_in).then(|| Path::new(&source.problem));
+        load::log_of(problem, path, data, console)
+    }
+
+    /// Whether it is a search of this problem and log.
+    pub(super) fn check(&self, problem: &Problem, log: &Log) -> anyhow::Result<()> {
+        self.checkpoint.check(problem, log).with_context(|| cannot(&self.file))
+    }
+
+    /// How to compute: in the same precision, without which old and new costs would not compare, and on the same device
+    /// unless another one is asked for or it is no longer there.
+    pub(super) fn compute(&self, asked: &Compute) -> anyhow::Result<Compute> {
+        let Device { backend, adapter, precision } = &self.checkpoint.snapshot.device;
+        let same = if precision == "f32" { PrecisionChoice::F32 } else { PrecisionChoice::F64 };
+        if asked.precision != PrecisionChoice::Auto && asked.precision != same {
+            bail!(
+                "{}: the search ran in {precision}, and costs in two precisions do not compare (leave out --precision, \
+                 or start anew without --resume)",
+                cannot(&self.file)
+            );
+        }
+        let compute = Compute { precision: same, ..asked.clone() };
+        if asked.device != DeviceChoice::Auto || asked.adapter.is_some() {
+            return Ok(compute);
+        }
+        let adapter = if backend == "gpu" { evaluator::adapter_of(adapter) } else { None };
+        let device = if adapter.is_some() { DeviceChoice::Gpu } else { DeviceChoice::Cpu };
+        Ok(Compute { device, adapter, ..compute })
+    }
+}
+
+fn cannot(file: &Path) -> String {
+    format!("cannot resume from {}", file.display())
+}
+
+/// The log's file as it was named, if that is still the same one from here; else wherever it was.
+fn found_again(source: &Source) -> Option<&str> {
+    let same =
+        |shown: &&str| Path::new(shown).canonicalize().ok().as_deref() == source.log_absolute.as_deref().map(Path::new);
+    source.log.as_deref().filter(same).or(source.log_absolute.as_deref())
+}
+
+/// The file to write while this problem is searched on this log.
+pub(super) fn file(path: &Path, problem: &Problem, log: &Log, origin: &Origin) -> anyhow::Result<CheckpointFile> {
+    files::prepare_file(path)?;
+    let log_file = if let Origin::File(file) = origin { Some(file) } else { None };
+    let source = Source {
+        problem: problem.source.clone(),
+        text: problem.text.clone(),
+        log: log_file.map(|file| file.display().to_string()),
+        log_absolute: log_file.and_then(|file| Some(file.canonicalize().ok()?.display().to_string())),
+    };
+    Ok(CheckpointFile::new(path.to_path_buf(), Identity::of(problem, log), source))
+}
+
+/// Writes the file, and tells the user once when that fails.
+pub(super) struct Keeper {
+    file: CheckpointFile,
+    notices: Notices,
+    has_failed: bool,
+}
+
+impl Keeper {
+    pub(super) const fn new(file: CheckpointFile, notices: Notices) -> Self {
+        Self { file, notices, has_failed: false }
+    }
+}
+
+impl Observer for Keeper {
+    fn generation(&mut self, row: &Generation, best: Option<&Scored>) {
+        self.file.generation(row, best);
+    }
+
+    fn keeps_states(&self) -> bool {
+        self.file.keeps_states()
+    }
+
+    fn state(&mut self, make: &dyn Fn() -> Snapshot, ended: bool) {
+        self.file.state(make, ended);
+        let Some(failure) = self.file.failure().filter(|_| !self.has_failed) else { return };
+        self.has_failed = true;
+        self.notices.warn(&format!(
+            "cannot write the checkpoint {}: {failure} (the search goes on, and tries again after every generation)",
+            self.file.path().display()
+        ));
+    }
+}

@@ -1,0 +1,280 @@
+//! The front of a study of several objectives, for people, JSON and CSV.
+
+use std::io::Write;
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::{Named, TextTable, exact, short, significant};
+use crate::data::HeldOut;
+use crate::model::{Pick, Problem};
+use crate::objective::Objective;
+use crate::reference;
+use crate::study::{FrontMember, Landmarks, Outcome};
+
+/// Members that the text report shows.
+const SHOWN: usize = 10;
+/// Parameters that its table has columns for.
+const SHOWN_PARAMETERS: usize = 6;
+/// Digits of the table.
+const DIGITS: usize = 6;
+
+/// A member of the front. Objectives are those of the f64 reference.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FrontPoint {
+    /// Values in their own units.
+    pub parameters: Named<f64>,
+    /// In-sample objectives.
+    pub objectives: Named<f64>,
+    /// Objectives over held-out rows; `None` without a validation split, or where the filter fails on them.
+    pub held_out: Option<Named<f64>>,
+    /// What it is: `recommended`, `knee` (or `most even`, of a front without a knee), `best nll` and so on.
+    pub marks: Vec<String>,
+}
+
+/// What a front offers, as a whole.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FrontSummary {
+    /// How the recommended member was picked: a mark of [`FrontPoint::marks`], or `weights`.
+    pub pick: String,
+    /// Whether the front has a knee: members nearer to the ideal point than the plane through the ends.
+    pub has_knee: bool,
+    /// The best value of each objective over the front.
+    pub best: Named<f64>,
+    /// What the recommended member gives up: (value - best) / |best| of each objective; `None` where the best is 0.
+    pub given_up: Named<Option<f64>>,
+    /// Members at least as good as the baseline in every objective and better in one; `None` where the baseline fails.
+    pub dominate_baseline: Option<usize>,
+    /// Volume that the search's front dominates.
+    pub hypervolume: Option<f64>,
+    /// The point it is measured from, which the first generation with a feasible member fixes.
+    pub reference_point: Named<f64>,
+}
+
+/// Members and summary of an outcome's front, re-scored on held-out rows where there are any; `None` without a front.
+#[must_use]
+pub fn front(
+    problem: &Problem,
+    outcome: &Outcome,
+    held_out: Option<&HeldOut>,
+) -> Option<(Vec<FrontPoint>, FrontSummary)> {
+    let landmarks = outcome.landmarks.as_ref()?;
+    let names: Vec<&str> = problem.tune.objectives.iter().map(Objective::name).collect();
+    let point = |(i, member): (usize, &FrontMember)| {
+        let scores = held_out.and_then(|held_out| reference::costs_held_out(problem, held_out, &member.candidate).ok());
+        FrontPoint {
+            parameters: Named::new(problem.parameters.names(), member.candidate.iter().copied()),
+            objectives: Named::new(names.iter().copied(), member.objectives.iter().copied()),
+            held_out: scores.map(|scores| Named::new(names.iter().copied(), scores)),
+            marks: marks(landmarks, &names, i),
+        }
+    };
+    let points: Vec<FrontPoint> = outcome.front.par_iter().enumerate().map(point).collect();
+    Some((points, summary(problem, outcome, landmarks, &names)?))
+}
+
+fn marks(landmarks: &Landmarks, names: &[&str], i: usize) -> Vec<String> {
+    let recommended = (i == landmarks.recommended).then(|| "recommended".to_owned());
+    let knee = (i == landmarks.knee).then(|| knee_mark(landmarks).to_owned());
+    let ends = landmarks.ends.iter().zip(names).filter(|(end, _)| **end == i).map(|(_, name)| format!("best {name}"));
+    recommended.into_iter().chain(knee).chain(ends).collect()
+}
+
+const fn knee_mark(landmarks: &Landmarks) -> &'static str {
+    if landmarks.has_knee { "knee" } else { "most even" }
+}
+
+fn summary(problem: &Problem, outcome: &Outcome, landmarks: &Landmarks, names: &[&str]) -> Option<FrontSummary> {
+    let named = |values: Vec<f64>| Named::new(names.iter().copied(), values);
+    let best: Vec<f64> = landmarks
+        .ends
+        .iter()
+        .enumerate()
+        .map(|(j, end)| outcome.front.get(*end)?.objectives.get(j).copied())
+        .collect::<Option<_>>()?;
+    let recommended = &outcome.front.get(landmarks.recommended)?.objectives;
+    let share = |(value, best): (&f64, &f64)| (best.abs() > 0.0).then(|| (value - best) / best.abs());
+    let pick = match &problem.tune.pick {
+        Pick::Knee => knee_mark(landmarks).to_owned(),
+        Pick::Best(j) => format!("best {}", names.get(*j).copied().unwrap_or_default()),
+        Pick::Weights(_) => "weights".to_owned(),
+    };
+    let beats = |baseline: &Vec<f64>| outcome.front.iter().filter(|m| dominates(&m.objectives, baseline)).count();
+    Some(FrontSummary {
+        pick,
+        has_knee: landmarks.has_knee,
+        given_up: Named::new(names.iter().copied(), recommended.iter().zip(&best).map(share)),
+        best: named(best),
+        dominate_baseline: outcome.baseline.objectives.as_ref().map(beats),
+        hypervolume: outcome.history.last().and_then(|row| row.hypervolume),
+        reference_point: named(outcome.reference_point.clone()),
+    })
+}
+
+fn dominates(a: &[f64], b: &[f64]) -> bool {
+    a.iter().zip(b).all(|(a, b)| a <= b) && a != b
+}
+
+/// The whole front as CSV: parameters, objectives, `held_out.` objectives where they are, and marks.
+///
+/// # Errors
+/// If `out` cannot be written.
+pub fn write_front(points: &[FrontPoint], out: impl Write) -> Result<(), csv::Error> {
+    let mut table = csv::Writer::from_writer(out);
+    let validated = points.iter().any(|point| point.held_out.is_some());
+    if let Some(first) = points.first() {
+        let names = first.parameters.iter().chain(first.objectives.iter()).map(|(name, _)| name.to_owned());
+        let held_out = first.objectives.iter().filter(|_| validated).map(|(name, _)| format!("held_out.{name}"));
+        table.write_record(names.chain(held_out).chain(["marks".to_owned()]))?;
+    }
+    for point in points {
+        let values = point.parameters.iter().chain(point.objectives.iter()).map(|(_, value)| exact(*value));
+        let held_out = |name| point.held_out.as_ref().and_then(|h| h.get(name)).map_or_else(String::new, |v| exact(*v));
+        let held_out = point.objectives.iter().filter(|_| validated).map(|(name, _)| held_out(name));
+        table.write_record(values.chain(held_out).chain([point.marks.join("; ")]))?;
+    }
+    Ok(table.flush()?)
+}
+
+impl FrontSummary {
+    /// "knee: nll 3.2 % above its best, rmse at its best".
+    #[must_use]
+    pub fn given_up_line(&self, recommended: &FrontPoint) -> String {
+        let part = |(name, value): (&str, &f64)| {
+            let best = self.best.get(name).copied().unwrap_or(*value);
+            match self.given_up.get(name).copied().flatten() {
+                _ if *value <= best => format!("{name} at its best"),
+                // A best close to 0 makes any share of it large and meaningless.
+                Some(share) if share < 10.0 => format!("{name} {} % above its best", significant(100.0 * share, 2)),
+                _ => format!("{name} {} (best {})", short(*value, 3), short(best, 3)),
+            }
+        };
+        format!("{}: {}", self.pick, recommended.objectives.iter().map(part).collect::<Vec<_>>().join(", "))
+    }
+
+    /// How the front stands to the user's own candidate.
+    fn baseline_line(&self, members: usize) -> String {
+        match self.dominate_baseline {
+            None => "The baseline fails, so it cannot be compared.".to_owned(),
+            Some(0) => "No member is better than the baseline in every objective.".to_owned(),
+            Some(better) => {
+                format!("{better} of {members} members are better than the baseline in every objective or equal.")
+            }
+        }
+    }
+
+    /// What the text report says of a front.
+    pub(super) fn text(&self, points: &[FrontPoint]) -> String {
+        let recommended = points.iter().find(|p| p.marks.first().is_some_and(|mark| mark == "recommended"));
+        let line = recommended.map(|point| self.given_up_line(point)).unwrap_or_default();
+        let shown = representatives(points);
+        let of = if shown.len() < points.len() { format!(", {} shown", shown.len()) } else { String::new() };
+        format!(
+            "Front, in-sample, f64 ({} members{of}):\n{}\nRecommended: {line}.\n{}\n",
+            points.len(),
+            table(points, &shown),
+            self.baseline_line(points.len()),
+        )
+    }
+}
+
+/// Every marked member, and others evenly along the front.
+fn representatives(points: &[FrontPoint]) -> Vec<usize> {
+    if points.len() <= SHOWN {
+        return (0..points.len()).collect();
+    }
+    let mut shown: Vec<usize> = (0..points.len()).filter(|i| !points[*i].marks.is_empty()).collect();
+    let room = SHOWN.saturating_sub(shown.len());
+    let last = points.len() - 1;
+    shown.extend((1..=room).map(|i| i * last / (room + 1)));
+    shown.sort_unstable();
+    shown.dedup();
+    shown
+}
+
+fn table(points: &[FrontPoint], shown: &[usize]) -> TextTable {
+    let names = |named: &Named<f64>| named.iter().map(|(name, _)| name.to_owned()).collect::<Vec<_>>();
+    let Some(first) = points.first() else { return TextTable::default() };
+    let parameters = names(&first.parameters);
+    let with_parameters = parameters.len() <= SHOWN_PARAMETERS;
+    let mut header = names(&first.objectives);
+    header.extend(parameters.into_iter().filter(|_| with_parameters));
+    header.push(String::new());
+    let row = |i: &usize| {
+        let point = &points[*i];
+        let objectives = point.objectives.iter().map(|(_, value)| significant(*value, DIGITS));
+        let parameters = point.parameters.iter().filter(|_| with_parameters).map(|(_, value)| short(*value, DIGITS));
+        objectives.chain(parameters).chain([point.marks.join(", ")]).collect()
+    };
+    TextTable::of_rows([header].into_iter().chain(shown.iter().map(row)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(i: usize, objectives: [f64; 2], marks: &[&str]) -> FrontPoint {
+        FrontPoint {
+            parameters: Named::new(["q"], [i as f64]),
+            objectives: Named::new(["nll", "rmse"], objectives),
+            held_out: None,
+            marks: marks.iter().map(|m| (*m).to_owned()).collect(),
+        }
+    }
+
+    fn summary(pick: &str, best: [f64; 2], given_up: [Option<f64>; 2]) -> FrontSummary {
+        FrontSummary {
+            pick: pick.to_owned(),
+            has_knee: true,
+            best: Named::new(["nll", "rmse"], best),
+            given_up: Named::new(["nll", "rmse"], given_up),
+            dominate_baseline: Some(3),
+            hypervolume: None,
+            reference_point: Named::default(),
+        }
+    }
+
+    #[test]
+    fn what_is_given_up_is_said_by_name() {
+        let knee = summary("knee", [100.0, 2.0], [Some(0.032), Some(0.011)]);
+        let line = knee.given_up_line(&point(0, [103.2, 2.022], &["recommended", "knee"]));
+        assert_eq!(line, "knee: nll 3.2 % above its best, rmse 1.1 % above its best");
+        let end = summary("best nll", [-5.0, 1e-9], [Some(0.0), Some(4e7)]);
+        let line = end.given_up_line(&point(0, [-5.0, 0.04], &["recommended", "best nll"]));
+        assert_eq!(line, "best nll: nll at its best, rmse 0.04 (best 1.00e-9)");
+    }
+
+    #[test]
+    fn few_members_are_shown_and_all_with_a_mark() {
+        let marked = |i: usize| match i {
+            0 => vec!["best nll"],
+            41 => vec!["recommended", "knee"],
+            99 => vec!["best rmse"],
+            _ => vec![],
+        };
+        let points: Vec<FrontPoint> = (0..100).map(|i| point(i, [i as f64, 99.0 - i as f64], &marked(i))).collect();
+        let shown = representatives(&points);
+        assert!(shown.len() <= SHOWN && [0, 41, 99].iter().all(|i| shown.contains(i)), "{shown:?}");
+        let widest = shown.windows(2).map(|w| w[1] - w[0]).max().unwrap();
+        assert!(widest <= 13, "evenly: {shown:?}");
+        let text = summary("knee", [0.0, 0.0], [None, None]).text(&points);
+        assert!(text.contains("(100 members, 10 shown)") && text.contains("recommended, knee"), "{text}");
+        assert_eq!(representatives(&points[..1]), [0]);
+        assert_eq!(representatives(&points[1..3]), [0, 1]);
+    }
+
+    #[test]
+    fn the_table_has_held_out_columns_only_where_there_are_scores() {
+        let written = |points: &[FrontPoint]| {
+            let mut out = Vec::new();
+            write_front(points, &mut out).unwrap();
+            String::from_utf8(out).unwrap()
+        };
+        let mut points = vec![point(1, [1.5, 2.0], &["best nll"]), point(2, [2.5, 1.0], &["recommended", "knee"])];
+        assert_eq!(written(&points), "q,nll,rmse,marks\n1,1.5,2,best nll\n2,2.5,1,recommended; knee\n");
+        points[1].held_out = Some(Named::new(["nll", "rmse"], [3.5, 4.0]));
+        let expected =
+            "q,nll,rmse,held_out.nll,held_out.rmse,marks\n1,1.5,2,,,best nll\n2,2.5,1,3.5,4,recommended; knee\n";
+        assert_eq!(written(&points), expected);
+    }
+}

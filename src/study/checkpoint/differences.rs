@@ -1,0 +1,65 @@
+//! Where two problem files differ, for messages.
+
+use toml::{Table, Value};
+
+/// So many are named.
+const NAMED: usize = 3;
+
+/// The keys by which a saved problem and the one at hand differ, with both values, as part of a sentence; empty where
+/// none is found. Keys that no search depends on are left out.
+pub(super) fn between(saved: &str, here: &str) -> String {
+    let (Ok(saved), Ok(here)) = (saved.parse::<Table>(), here.parse::<Table>()) else { return String::new() };
+    let mut found = Vec::new();
+    compare("", &saved, &here, &mut found);
+    found.retain(|(path, _)| {
+        !["tune.stop", "tune.polish", "tune.pick", "data", "simulate"].iter().any(|p| path.starts_with(p))
+    });
+    let more = found.len().saturating_sub(NAMED);
+    let mut named: Vec<String> = found.into_iter().take(NAMED).map(|(_, said)| said).collect();
+    if more > 0 {
+        named.push(format!("and {more} more"));
+    }
+    named.join(", ")
+}
+
+fn compare(path: &str, saved: &Table, here: &Table, found: &mut Vec<(String, String)>) {
+    let missing = here.keys().filter(|key| !saved.contains_key(*key));
+    for key in saved.keys().chain(missing) {
+        let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+        match (saved.get(key), here.get(key)) {
+            (a, b) if a == b => {}
+            (Some(Value::Table(a)), Some(Value::Table(b))) => compare(&path, a, b, found),
+            (a, b) => {
+                let said = format!("{path} is {} there and {} here", show(a), show(b));
+                found.push((path, said));
+            }
+        }
+    }
+}
+
+/// A value in a line, cut where it is long.
+fn show(value: Option<&Value>) -> String {
+    let Some(value) = value else { return "absent".to_owned() };
+    let text = value.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+    if text.chars().count() <= 40 { text } else { text.chars().take(40).chain("...".chars()).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_the_keys_that_shape_a_search() {
+        let saved =
+            "[model]\nf = [\"x\"]\n[tune]\nseed = 7\npopulation = 9\nstop = { stall = 3 }\n[parameters]\nr = 1\n";
+        let here =
+            "[model]\nf = [\"2*x\"]\n[tune]\nseed = 8\nstop = { stall = 9 }\npolish = true\n[parameters]\nr = 1\n";
+        let expected = "model.f is [\"x\"] there and [\"2*x\"] here, tune.population is 9 there and absent here, tune.seed \
+                        is 7 there and 8 here";
+        assert_eq!(between(saved, here), expected);
+        assert_eq!(between(saved, &here.replace("r = 1", "r = 2")).matches(" is ").count(), NAMED);
+        assert!(between(saved, &here.replace("r = 1", "r = 2")).ends_with(", and 1 more"));
+        assert_eq!(between(saved, saved), "");
+        assert_eq!(between("no = [toml", here), "");
+    }
+}

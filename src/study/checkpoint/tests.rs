@@ -1,0 +1,217 @@
+//! Files whole, broken, and of others.
+
+use std::path::PathBuf;
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::data::simulate;
+use crate::evaluate::Device;
+use crate::study::{Front, Generation, Observer as _, Reached, Scored};
+
+const TEXT: &str = r#"
+[data]
+measurements = ["z"]
+[model]
+kind = "local-level"
+q = "q"
+R = ["r"]
+x0 = [0]
+P0 = [3]
+[parameters]
+q = { min = 0.1, max = 1 }
+r = { min = 0.1, max = 1, start = 0.5 }
+[tune]
+seed = 7
+[simulate]
+steps = 20
+"#;
+
+fn problem(text: &str) -> (Problem, Log) {
+    let problem = Problem::parse(text, "level.toml").expect("a problem");
+    let log = simulate(&problem, None).expect("a log");
+    (problem, log)
+}
+
+fn snapshot(generations: usize) -> Snapshot {
+    let row = |generation| Generation {
+        generation,
+        evaluations: 4 * (generation as u64 + 1),
+        best: Some(0.1 + 0.2),
+        median: None,
+        spread: Some(f64::MIN_POSITIVE),
+        failed: 1,
+        feasible: 3,
+        front: Some(1),
+        hypervolume: Some(1.0 / 3.0),
+        seconds: 0.5,
+    };
+    let scored = Scored { candidate: vec![f64::EPSILON, -0.0], costs: vec![0.1 + 0.2], violation: 0.0 };
+    Snapshot {
+        algorithm: "pso".to_owned(),
+        optimizer: vec![1, 2, 3],
+        archive: vec![scored.clone()],
+        start: Some(scored),
+        history: (0..generations).map(row).collect(),
+        stalled: 1,
+        reached: Some(Reached { violation: 0.0, cost: -1.0 / 3.0 }),
+        front: Some(Front::new(2, 128)),
+        evaluate_s: 0.25,
+        wall_s: 0.5,
+        device: Device { backend: "cpu".to_owned(), adapter: "a".to_owned(), precision: "f64".to_owned() },
+    }
+}
+
+fn checkpoint() -> Checkpoint {
+    let (problem, log) = problem(TEXT);
+    let source = Source { problem: problem.source.clone(), text: problem.text.clone(), ..Source::default() };
+    Checkpoint::new(Identity::of(&problem, &log), source, snapshot(3))
+}
+
+fn bytes() -> Vec<u8> {
+    checkpoint().to_bytes().expect("bytes")
+}
+
+#[test]
+fn what_is_written_is_read() {
+    assert_eq!(Checkpoint::read(&bytes()), Ok(checkpoint()));
+}
+
+#[test]
+fn no_part_of_a_file_and_no_file_with_a_flipped_bit_is_read() {
+    let whole = bytes();
+    for length in 1..whole.len() {
+        let error = Checkpoint::read(&whole[..length]).expect_err("truncated");
+        assert!(matches!(error, CheckpointError::Truncated { .. }), "{length} bytes: {error}");
+    }
+    assert_eq!(Checkpoint::read(&[whole.as_slice(), b"\n"].concat()), Err(CheckpointError::Damaged), "a byte too many");
+    for bit in 0..8 * whole.len() {
+        let mut flipped = whole.clone();
+        flipped[bit / 8] ^= 1 << (bit % 8);
+        assert!(Checkpoint::read(&flipped).is_err(), "bit {bit}");
+    }
+}
+
+#[test]
+fn every_refusal_says_what_to_do() {
+    let with = |at: usize, new: &[u8]| {
+        let mut changed = bytes();
+        changed[at..at + new.len()].copy_from_slice(new);
+        Checkpoint::read(&changed).expect_err("refused").to_string()
+    };
+    assert!(Checkpoint::read(b"").expect_err("refused").to_string().starts_with("the file is empty: name a"));
+    assert!(with(0, b"t,z\n").starts_with("it is not a checkpoint of kfgpu: name the checkpoint.kfgpu"));
+    assert!(with(8, &[9]).starts_with("it has format 9 of checkpoints, this kfgpu reads format 1: resume"));
+    assert!(with(15, &[1]).starts_with("it is truncated, "));
+    assert!(with(60, &[255; 4]).starts_with("it is damaged, its checksum does not hold: copy it again"));
+    let older = Checkpoint { written_by: "0.0.9".to_owned(), ..checkpoint() };
+    let error = Checkpoint::read(&older.to_bytes().expect("bytes")).expect_err("refused").to_string();
+    assert!(error.starts_with("it was written by kfgpu 0.0.9, this is 0."), "{error}");
+    let missing = Checkpoint::open(&PathBuf::from("no/such/file")).expect_err("refused").to_string();
+    assert!(missing.starts_with("it cannot be read: "), "{missing}");
+}
+
+/// A body that is no checkpoint under a checksum that holds.
+#[test]
+fn a_right_checksum_is_not_believed_either() {
+    let wrap = |body: &[u8]| {
+        let mut bytes = [&MAGIC[..], &Checkpoint::VERSION.to_le_bytes(), &(body.len() as u64).to_le_bytes()].concat();
+        let sum = checksum(&bytes, body);
+        bytes.extend(sum);
+        bytes.extend(body);
+        bytes
+    };
+    let body = &bytes()[HEADER..];
+    assert_eq!(Checkpoint::read(&wrap(body)), Ok(checkpoint()), "the wrapping is right");
+    assert_eq!(Checkpoint::read(&wrap(&[body, &[0]].concat())), Err(CheckpointError::Content));
+    // A string of 2^60 bytes.
+    let endless = [0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0x10];
+    assert_eq!(Checkpoint::read(&wrap(&endless)), Err(CheckpointError::Content));
+}
+
+#[test]
+fn identity_is_what_the_bits_of_a_search_depend_on() {
+    let checkpoint = checkpoint();
+    let check = |text: &str| {
+        let (problem, log) = problem(text);
+        checkpoint.check(&problem, &log).map_err(|error| error.to_string())
+    };
+    let limits =
+        "seed = 7 # mine\npolish = false\nstop = { evaluations = 9000, wall_time = 9, stall = 8, target = -1 }";
+    assert_eq!(check(&TEXT.replace("seed = 7", limits)), Ok(()), "neither limits nor polish nor where formulas stand");
+    for (old, new) in [
+        ("seed = 7", "seed = 8"),
+        ("seed = 7", "seed = 7\ngenerations = 61"),
+        ("seed = 7", "seed = 7\npopulation = 257"),
+        ("seed = 7", "seed = 7\nalgorithm = \"pio\""),
+        ("seed = 7", "seed = 7\nobjectives = [{ name = \"nll\", skip = 1 }]"),
+        ("seed = 7", "seed = 7\ninclude_start = false"),
+        ("start = 0.5", "start = 0.25"),
+        ("max = 1 }", "max = 2 }"),
+        ("\"q\"", "\"2*q\""),
+        ("P0 = [3]", "P0 = [4]"),
+    ] {
+        let error = check(&TEXT.replace(old, new)).expect_err(new);
+        assert!(error.starts_with("it is of another problem than this ("), "{new}: {error}");
+    }
+    let error = check(&TEXT.replace("steps = 20", "steps = 21")).expect_err("another log");
+    assert!(error.starts_with("the log is not the one it was written with: resume with that log"), "{error}");
+    let (problem, mut log) = problem(TEXT);
+    log.source = "elsewhere.csv".to_owned();
+    assert_eq!(checkpoint.check(&problem, &log), Ok(()), "the same numbers under another name");
+    log.trajectories[0].time[3] += 1e-9;
+    assert!(checkpoint.check(&problem, &log).is_err(), "a nanosecond");
+}
+
+#[test]
+fn the_file_is_there_after_every_generation_and_nothing_else() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("checkpoint.kfgpu");
+    // What a process that was killed while it wrote has left.
+    std::fs::write(folder.path().join(".checkpoint.kfgpu.tmp"), "half").expect("written");
+    let mut file = CheckpointFile::new(path.clone(), checkpoint().identity, checkpoint().source);
+    for generations in 1..4 {
+        file.state(&|| snapshot(generations), false);
+        assert_eq!((file.failure(), file.written()), (None, Some(generations)));
+        assert_eq!(Checkpoint::open(&path).expect("whole").snapshot, snapshot(generations));
+        assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 1, "no temporary file stays");
+    }
+}
+
+#[test]
+fn a_write_that_fails_leaves_the_search_running_and_the_old_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("gone").join("checkpoint.kfgpu");
+    let mut file = CheckpointFile::new(path.clone(), checkpoint().identity, checkpoint().source);
+    file.state(&|| snapshot(1), false);
+    assert!(file.failure().is_some() && file.written().is_none(), "{file:?}");
+    std::fs::create_dir(folder.path().join("gone")).expect("a folder");
+    file.state(&|| snapshot(2), false);
+    assert_eq!((file.failure(), file.written()), (None, Some(2)), "and it tries again");
+    // A folder of that name cannot be replaced.
+    std::fs::remove_file(&path).expect("removed");
+    std::fs::create_dir(&path).expect("a folder");
+    file.state(&|| snapshot(3), true);
+    assert!(file.failure().is_some(), "{file:?}");
+    assert_eq!(std::fs::read_dir(folder.path().join("gone")).expect("a folder").count(), 1, "no temporary file stays");
+}
+
+proptest! {
+    #[test]
+    fn arbitrary_bytes_never_panic(noise in proptest::collection::vec(any::<u8>(), 0..400), whole_magic: bool) {
+        let magic = if whole_magic { bytes()[..HEADER].to_vec() } else { Vec::new() };
+        prop_assert!(Checkpoint::read(&[magic, noise].concat()).is_err());
+    }
+
+    /// Changed bodies under a right checksum, which a fuzzer does not find by itself.
+    #[test]
+    fn changed_bodies_never_panic(at in 0..10_000_usize, byte: u8, cut in 0..10_000_usize) {
+        let mut body = bytes()[HEADER..].to_vec();
+        let (at, length) = (at % body.len(), body.len());
+        body[at] = byte;
+        body.truncate(length - (cut % (2 * length)).saturating_sub(length));
+        let fixed = [&MAGIC[..], &Checkpoint::VERSION.to_le_bytes(), &(body.len() as u64).to_le_bytes()].concat();
+        let sum = checksum(&fixed, &body);
+        let _ = Checkpoint::read(&[fixed, sum.to_vec(), body].concat());
+    }
+}

@@ -6,8 +6,11 @@ use super::files::OutFolder;
 use crate::data::Log;
 use crate::evaluate::{CpuEvaluator, CpuOptions, Precision};
 use crate::model::Problem;
+use crate::objective::Objective;
 use crate::reference;
-use crate::report::figures::{Figure, RunRecord, autocorrelation, convergence, landscape};
+use crate::report::figures::{
+    Figure, FrontPicture, RunRecord, autocorrelation, convergence, hypervolume, landscape, titled,
+};
 use crate::report::{Picture, Whiteness};
 use crate::study::{Outcome, Winner};
 
@@ -15,10 +18,14 @@ use crate::study::{Outcome, Winner};
 const FOLDER: &str = "figures";
 
 /// Every picture there may be. One that a run does not draw is removed, so that none is left of an earlier run.
-const NAMES: [&str; 7] = [
+const NAMES: [&str; 11] = [
+    "front.svg",
+    "parameters.svg",
+    "hypervolume.svg",
     "convergence.svg",
     "landscape.svg",
     "estimates.svg",
+    "errors.svg",
     "innovations.svg",
     "nis.svg",
     "autocorrelation.svg",
@@ -68,6 +75,7 @@ pub(super) fn write_tuning(
     let baseline = &outcome.baseline.candidate;
     let around = landscape(problem, &winner.candidate, baseline, evaluations, &mut evaluator);
     pictures.push(("landscape.svg", around));
+    pictures.extend(of_front(problem, outcome));
     pictures.extend(of_run(problem, logs.run, &winner.candidate, whiteness)?);
     write(&folder.path().join(FOLDER), &pictures)
 }
@@ -119,6 +127,34 @@ pub(super) fn write_run(
     write(folder, &of_run(problem, log, candidate, whiteness)?)
 }
 
+/// Of a study of several objectives.
+fn of_front(problem: &Problem, outcome: &Outcome) -> Pictures {
+    if outcome.front.is_empty() {
+        return Vec::new();
+    }
+    let objectives: Vec<&str> = problem.tune.objectives.iter().map(Objective::name).collect();
+    let members: Vec<&[f64]> = outcome.front.iter().map(|member| &member.objectives[..]).collect();
+    let candidates: Vec<&[f64]> = outcome.front.iter().map(|member| &member.candidate[..]).collect();
+    let landmarks = outcome.landmarks.as_ref();
+    let front = FrontPicture {
+        title: &titled(problem, "Pareto front"),
+        objectives: &objectives,
+        members: &members,
+        knee: landmarks.filter(|l| l.has_knee).map(|l| l.knee),
+        recommended: landmarks.map(|l| l.recommended),
+        baseline: outcome.baseline.objectives.as_deref(),
+    };
+    let title = titled(problem, "parameters along the front");
+    let parameters = FrontPicture { title: &title, ..front };
+    let parameters = parameters.parallel(&problem.parameters, &candidates, &outcome.baseline.candidate);
+    let volumes = outcome.history.iter().filter_map(|row| Some((row.generation, row.hypervolume?)));
+    vec![
+        ("front.svg", front.scatter()),
+        ("parameters.svg", parameters),
+        ("hypervolume.svg", hypervolume(problem, volumes)),
+    ]
+}
+
 fn of_run(problem: &Problem, log: &Log, candidate: &[f64], whiteness: &[Whiteness]) -> anyhow::Result<Pictures> {
     let mut record = RunRecord::new(problem, log);
     reference::visit(problem, log, candidate, &mut |trajectory, step| record.add(trajectory, step))?;
@@ -131,13 +167,15 @@ fn of_run(problem: &Problem, log: &Log, candidate: &[f64], whiteness: &[Whitenes
         let rows = smoothed.ok().and_then(|mut all| (trajectory < all.len()).then(|| all.swap_remove(trajectory)));
         record.add_smoothed(rows.iter().flatten().map(|row| (row.time, &row.estimate)));
     }
-    Ok(vec![
+    let mut pictures = vec![
         ("estimates.svg", record.estimates()),
         ("innovations.svg", record.innovations()),
         ("nis.svg", record.nis()),
         ("autocorrelation.svg", autocorrelation(problem, whiteness)),
         ("histogram.svg", record.histogram()),
-    ])
+    ];
+    pictures.extend(record.errors().map(|errors| ("errors.svg", errors)));
+    Ok(pictures)
 }
 
 fn write(folder: &Path, pictures: &Pictures) -> anyhow::Result<()> {

@@ -215,10 +215,11 @@ pub(super) fn effort(effort: &Effort) -> String {
         (
             "log",
             format!(
-                "{}, {} rows in {} trajectories",
+                "{}, {} rows in {} {}",
                 plain(&effort.log.source),
                 count(effort.log.rows as u64),
-                effort.log.trajectories
+                effort.log.trajectories,
+                if effort.log.trajectories == 1 { "trajectory" } else { "trajectories" }
             ),
         ),
         ("SHA-256 of the log's numbers", format!("`{}`", effort.log.sha256)),

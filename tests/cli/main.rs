@@ -5,8 +5,10 @@
 
 mod bad_input;
 mod bench;
+mod check;
 mod checkpoint;
 mod command;
+mod compare;
 mod evaluate;
 mod examples;
 mod filter;

@@ -11,4 +11,5 @@ mod rules;
 mod simulated;
 mod smoother;
 mod support;
+mod uncertainty;
 mod values;

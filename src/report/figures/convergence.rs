@@ -5,6 +5,9 @@ use super::{Axis, Colour, Dash, Figure, Marker, Panel, Stroke};
 use crate::model::Problem;
 use crate::study::Generation;
 
+const BEST: Stroke = Stroke::new(Colour::Black).width(2.0);
+const MEDIAN: Stroke = Stroke::dashed(Colour::Red, Dash::Dashed).width(1.6);
+
 /// Best and median cost of the first objective, and the spread of the population, over the generations.
 #[must_use]
 pub fn convergence(problem: &Problem, history: &[Generation]) -> Figure {
@@ -17,16 +20,28 @@ pub fn convergence(problem: &Problem, history: &[Generation]) -> Figure {
     let costs = best.iter().chain(&median).map(|point| point.1);
     let axis = cost_axis(objective).log_if(is_wide(costs));
     let course = Panel::new(generations(), axis)
-        .line("median of the generation", Stroke::dashed(Colour::Red, Dash::Dashed).width(1.6), median)
-        .steps("best so far", Stroke::new(Colour::Black).width(2.0), best);
-    // A spread of zero, as after convergence, has no place on a log axis.
-    let spread: Vec<_> = spread.into_iter().map(|(g, s)| (g, if s > 0.0 { s } else { f64::NAN })).collect();
-    let spread = Panel::new(generations(), Axis::new("spread").log_if(is_wide(spread.iter().map(|p| p.1)))).line(
-        "interquartile range of the generation's costs",
-        Stroke::new(Colour::Blue),
-        spread,
-    );
-    Figure::new(titled(problem, "convergence")).size(760.0, 200.0).panel(course).panel(spread)
+        .line("median of the generation", MEDIAN, median.iter().copied())
+        .steps("best so far", BEST, best.iter().copied());
+    Figure::new(titled(problem, "convergence"))
+        .size(760.0, 200.0)
+        .panel(course)
+        .panel(approach(objective, [&best, &median, &spread]))
+}
+
+/// How far best and median are above the best of all, and how far the population has spread. What has arrived is a gap
+/// on the log axis.
+fn approach(objective: &str, [best, median, spread]: [&[(f64, f64)]; 3]) -> Panel {
+    let last = best.iter().map(|point| point.1).fold(f64::INFINITY, f64::min);
+    let positive = |v: f64| if v > 0.0 { v } else { f64::NAN };
+    let above = |points: &[(f64, f64)]| points.iter().map(|(g, cost)| (*g, positive(cost - last))).collect::<Vec<_>>();
+    let (best, median) = (above(best), above(median));
+    let spread: Vec<_> = spread.iter().map(|(g, spread)| (*g, positive(*spread))).collect();
+    let all = best.iter().chain(&median).chain(&spread).map(|point| point.1);
+    let axis = cost_axis(&format!("{objective} above the final best")).log_if(is_wide(all));
+    Panel::new(generations(), axis)
+        .line("interquartile range", Stroke::dashed(Colour::Blue, Dash::DashDot).width(1.6), spread)
+        .line("median of the generation", MEDIAN, median)
+        .steps("best so far", BEST, best)
 }
 
 /// Hypervolume of the front over the generations, as (generation, volume).
@@ -47,7 +62,7 @@ fn generations() -> Axis {
 /// An axis for an objective.
 pub(super) fn cost_axis(objective: &str) -> Axis {
     let axis = Axis::new(objective);
-    if objective == "nll" { axis.unit("nats") } else { axis }
+    if objective.starts_with("nll") { axis.unit("nats") } else { axis }
 }
 
 /// Whether positive values differ so much that they need a log axis.

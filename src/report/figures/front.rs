@@ -6,6 +6,7 @@ use crate::model::{Parameters, Scale};
 
 const MEMBER: (Marker, Colour) = (Marker::Circle, Colour::Black);
 const KNEE: (Marker, Colour) = (Marker::Diamond, Colour::Red);
+const RECOMMENDED: (Marker, Colour) = (Marker::Disc, Colour::Amber);
 const BASELINE: (Marker, Colour) = (Marker::Cross, Colour::Black);
 const ENDS: [(Marker, Colour); 4] = [
     (Marker::Triangle, Colour::Blue),
@@ -27,6 +28,8 @@ pub struct FrontPicture<'a> {
     pub members: &'a [&'a [f64]],
     /// Index of the knee.
     pub knee: Option<usize>,
+    /// Index of the member that is recommended.
+    pub recommended: Option<usize>,
     /// Objectives of the user's own candidate.
     pub baseline: Option<&'a [f64]>,
 }
@@ -62,13 +65,16 @@ impl FrontPicture<'_> {
         let x = axis(i, shown.iter().map(|p| p.0).collect());
         let y = axis(j, shown.iter().map(|p| p.1).collect());
         let mut panel = Panel::new(x, y).points("front", MEMBER, points);
+        let member = |i: Option<usize>| i.and_then(|i| at(self.members.get(i)?));
+        if self.recommended.is_some() {
+            panel = panel.points("recommended", RECOMMENDED, member(self.recommended));
+        }
         for (k, mark) in ENDS.iter().enumerate().take(self.objectives.len()) {
             let end = self.end(k).and_then(|end| at(self.members[end]));
             panel = panel.points(&format!("best {}", self.objectives[k]), *mark, end);
         }
-        let knee = self.knee.and_then(|knee| at(self.members.get(knee)?));
         if self.knee.is_some() {
-            panel = panel.points("knee", KNEE, knee);
+            panel = panel.points("knee", KNEE, member(self.knee));
         }
         match baseline {
             Some(_) if is_near => panel.points("baseline", BASELINE, baseline),

@@ -41,7 +41,7 @@ pub fn landscape(
         let rows = y.values(side).into_iter().flat_map(|y| x.values(side).into_iter().flat_map(move |x| [x, y]));
         let costs = costs(evaluator, Population::from_rows(2, rows.collect()));
         let panel = contours([x, y], &Grid::new(x.values(side), y.values(side), costs), objective);
-        return Figure::new(title).size(620.0, 420.0).panel(marked(panel, winner, baseline));
+        return Figure::new(title).size(680.0, 420.0).panel(marked(panel, winner, baseline));
     }
     let shown = ranges.len().min(MOST);
     let each = (evaluations / shown.max(1)).clamp(9, 81);
@@ -132,7 +132,8 @@ fn contours([x, y]: [&Range; 2], grid: &Grid, objective: &str) -> Panel {
     let all = vec![vec![(left, low), (right, low), (right, high), (left, high)]];
     let unit = if objective == "nll" { " nats" } else { "" };
     let mut panel = Panel::new(x.axis().range(left, right), y.axis().range(low, high));
-    panel = panel.region(&format!("{objective} above"), ABOVE, all);
+    let least = texts.first().map_or_else(String::new, |text| format!("above {text}{unit}"));
+    panel = panel.region(&least, ABOVE, all);
     for ((level, grey), text) in levels.iter().zip(texts) {
         panel = panel.region(&format!("≤ {text}{unit}"), *grey, grid.region(*level));
     }

@@ -52,8 +52,8 @@ pub(super) fn draw(figure: &Figure) -> Result<String, FigureError> {
         corner += left + width + right_margin() + GAP;
     }
     let right = corner - GAP;
-    let shared = placed.len() > 1 && placed.iter().all(|p| p.legend.is_like(&placed[0].legend));
-    let shared = shared.then(|| Legend::of(&figure.panels[0], right - MARGIN));
+    let fullest = placed.iter().find(|p| placed.iter().all(|other| p.legend.covers(&other.legend)));
+    let shared = fullest.filter(|_| placed.len() > 1).map(|p| Legend::of(p.panel, right - MARGIN));
     let top = MARGIN + title_height(&figure.title, TITLE);
     let bottom = stack(&mut placed, columns, top + shared.as_ref().map_or(0.0, Legend::height), shared.is_some());
 
@@ -74,8 +74,9 @@ pub(super) fn draw(figure: &Figure) -> Result<String, FigureError> {
 }
 
 fn place(panel: &Panel, height: f64) -> Result<Placed<'_>, FigureError> {
-    let has_band = panel.marks.iter().all(|mark| !matches!(mark.shape, Shape::Points { .. }));
-    let x = panel.x.scale(panel.xs(), if has_band { 0.0 } else { 0.025 })?;
+    // A course over x fills the panel; scattered points have room around them.
+    let scattered = panel.marks.iter().all(|mark| matches!(mark.shape, Shape::Points { .. }));
+    let x = panel.x.scale(panel.xs(), if scattered { 0.04 } else { 0.0 })?;
     let y = panel.y.scale(panel.ys(), 0.05)?;
     let window = Window { x, y, width: NARROWEST, height };
     let (y, legend) = (Ticks::up(&panel.y, y, height), Legend::default());
@@ -163,14 +164,16 @@ impl<'a> Placed<'a> {
         if !shared_legend {
             self.legend.draw(svg, (left, head + title_height(&self.panel.title, PANEL_TITLE)));
         }
-        svg.open_window([left, top, width, height]);
         self.grid(svg);
         let mut drawn = false;
         for mark in &self.panel.marks {
             let reference = matches!(mark.shape, Shape::Horizontal { .. } | Shape::Vertical { .. });
+            // Markers on the frame are shown whole.
+            let margin = if matches!(mark.shape, Shape::Points { .. }) { 8.0 } else { 0.0 };
+            svg.open_window([left, top, width, height], margin);
             drawn |= self.window.draw(svg, &mark.shape) && !reference;
+            svg.close_window();
         }
-        svg.close_window();
         if !drawn {
             let middle = (left + 0.5 * width, top + 0.5 * height - 6.0);
             svg.text(middle, Font::new(NAME, Anchor::Middle), "no data", "no data");
@@ -183,9 +186,11 @@ impl<'a> Placed<'a> {
     /// Faint lines at the ticks, under the data.
     fn grid(&self, svg: &mut Svg) {
         let Window { width, height, .. } = self.window;
-        let across = self.x.major.iter().map(|(share, _)| (share * width, 0.0)).map(|at| segment(at, (at.0, height)));
-        let up = self.y.major.iter().map(|(share, _)| (0.0, (1.0 - share) * height));
-        let path: String = across.chain(up.map(|at| segment(at, (width, at.1)))).collect();
+        let (left, top) = self.corner;
+        let across = self.x.major.iter().map(|(share, _)| left + share * width);
+        let up = self.y.major.iter().map(|(share, _)| top + (1.0 - share) * height);
+        let across = across.map(|x| segment((x, top), (x, top + height)));
+        let path: String = across.chain(up.map(|y| segment((left, y), (left + width, y)))).collect();
         if !path.is_empty() {
             svg.stroke(&path, Stroke::new(Colour::Pale).width(0.7));
         }

@@ -38,10 +38,10 @@ impl<'a> Legend<'a> {
         Self { entries }
     }
 
-    /// Whether both show the same.
-    pub(super) fn is_like(&self, other: &Self) -> bool {
-        let names = |legend: &Self| legend.entries.iter().map(|(.., mark)| mark.label.clone()).collect::<Vec<_>>();
-        names(self) == names(other)
+    /// Whether it names everything that the other does.
+    pub(super) fn covers(&self, other: &Self) -> bool {
+        let names = |name: &str| self.entries.iter().any(|(.., mark)| mark.label == name);
+        other.entries.iter().all(|(.., mark)| names(&mark.label))
     }
 
     pub(super) fn height(&self) -> f64 {

@@ -71,7 +71,10 @@ impl Window {
     }
 
     fn points(&self, svg: &mut Svg, points: &[(f64, f64)], (marker, colour): (Marker, Colour)) -> bool {
-        let shown = thin::markers(points.iter().map(|p| self.at(*p)), if marker == Marker::Dot { 1.5 } else { 3.0 });
+        let inside =
+            |(x, y): &(f64, f64)| (-0.5..=self.width + 0.5).contains(x) && (-0.5..=self.height + 0.5).contains(y);
+        let pixels = points.iter().map(|p| self.at(*p).filter(inside));
+        let shown = thin::markers(pixels, if marker == Marker::Dot { 1.5 } else { 3.0 });
         if !shown.is_empty() {
             svg.markers(&shown, marker, colour);
         }
@@ -167,6 +170,6 @@ pub(super) fn sample(svg: &mut Svg, mark: &Mark, (x, y): (f64, f64)) {
         Shape::Points { marker, colour, .. } => svg.markers(&[(x + 0.5 * SAMPLE, y)], *marker, *colour),
         Shape::Band { colour, .. } => svg.fill(&area, colour.tint(), None),
         Shape::Bars { colour, .. } => svg.fill(&area, colour.tint(), Some(colour.hex())),
-        Shape::Region { shade, .. } => svg.fill(&area, &grey(*shade), None),
+        Shape::Region { shade, .. } => svg.fill(&area, &grey(*shade), Some(Colour::Grey.hex())),
     }
 }

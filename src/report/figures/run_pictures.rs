@@ -1,6 +1,7 @@
 //! The pictures of one filter run.
 
-use super::run_record::{MOST, MeasurementSeries, RunRecord, Track};
+use super::envelope::Envelope;
+use super::run_record::{MOST, MeasurementSeries, RunRecord, StateSeries, Track};
 use super::{Axis, Colour, Dash, Figure, Marker, Panel, Stroke};
 use crate::model::Problem;
 use crate::report::{Whiteness, significant};
@@ -30,9 +31,14 @@ impl RunRecord<'_> {
 
     fn state(&self, track: &Track, state: usize) -> Panel {
         let series = &track.states[state];
-        let mut panel = Panel::new(time_axis(self.problem), Axis::new(&self.problem.model.states[state]));
+        let measurement = self.measured_as[state].and_then(|i| track.measurements.get(i));
+        let measured = measurement.map(|measurement| measurement.measured.points());
+        let others = measured.into_iter().flatten().chain(series.truth.line()).chain(series.estimate.line());
+        let name = &self.problem.model.states[state];
+        let axis = of_course(Axis::new(name), others.map(|point| point.1), &series.band);
+        let mut panel = Panel::new(time_axis(self.problem), axis);
         panel = panel.band("3-sigma band", Colour::Blue, series.band.band());
-        if let Some(measurement) = self.measured_as[state].and_then(|i| track.measurements.get(i)) {
+        if let Some(measurement) = measurement {
             panel = panel.points("measured", MEASURED, measurement.measured.points());
         }
         if series.truth.has_values() {
@@ -45,10 +51,30 @@ impl RunRecord<'_> {
     }
 
     fn measurement(&self, series: &MeasurementSeries, i: usize) -> Panel {
-        Panel::new(time_axis(self.problem), Axis::new(&self.log.measurements[i]))
+        let others = series.measured.points().chain(series.predicted.line()).map(|point| point.1);
+        let axis = of_course(Axis::new(&self.log.measurements[i]), others, &series.predicted_band);
+        Panel::new(time_axis(self.problem), axis)
             .band("3-sigma band", Colour::Blue, series.predicted_band.band())
             .points("measured", MEASURED, series.measured.points())
             .line("predicted", ESTIMATE, series.predicted.line())
+    }
+
+    /// Estimates minus truth of the states that have it, within three standard deviations; `None` without truth.
+    #[must_use]
+    pub fn errors(&self) -> Option<Figure> {
+        let track = self.track()?;
+        let with_truth: Vec<_> =
+            track.states.iter().enumerate().filter(|(_, series)| series.error.has_values()).collect();
+        let panel = |(i, series): (usize, &StateSeries)| {
+            let errors = series.error.line().map(|point| point.1);
+            let axis = Axis::new(format!("error of {}", self.problem.model.states[i]));
+            Panel::new(time_axis(self.problem), of_course(axis, errors, &series.deviation))
+                .band("± 3 standard deviations", Colour::Blue, series.deviation.band())
+                .horizontal("", Stroke::new(Colour::Grey).width(1.0), 0.0)
+                .line("estimate minus truth", ESTIMATE, series.error.line())
+        };
+        let figure = (!with_truth.is_empty()).then(|| self.figure("estimation errors"));
+        figure.map(|figure| figure.panels(with_truth.into_iter().map(panel)))
     }
 
     /// Innovations with plus and minus two of their standard deviations, within which 95 % lie if the filter is right.
@@ -60,7 +86,9 @@ impl RunRecord<'_> {
         let figure = self.figure(&format!("innovations{left_out}"));
         let Some(track) = self.track() else { return figure.panel(self.empty("innovation")) };
         let panel = |(name, series): (&String, &MeasurementSeries)| {
-            Panel::new(time_axis(self.problem), Axis::new(format!("innovation of {name}")))
+            let values = series.innovation.points().map(|point| point.1);
+            let axis = of_course(Axis::new(format!("innovation of {name}")), values, &series.band);
+            Panel::new(time_axis(self.problem), axis)
                 .band("± 2 sqrt(S)", Colour::Blue, series.band.band())
                 .points("innovation", (Marker::Dot, Colour::Black), series.innovation.points())
                 .horizontal("", Stroke::new(Colour::Grey).width(1.0), 0.0)
@@ -125,8 +153,14 @@ pub fn autocorrelation(problem: &Problem, whiteness: &[Whiteness]) -> Figure {
             let lag = i as f64 + 1.0;
             ([lag - 0.3, lag + 0.3], *r)
         });
-        let title = format!("{}: {} values, Ljung-Box p = {}", w.measurement, w.count, significant(w.p_value, 2));
-        Panel::new(Axis::new("lag").unit("measured rows").whole().including(0.0), Axis::new("autocorrelation"))
+        let p_value = if w.p_value < 1e-4 { "< 1e-4".to_owned() } else { format!("= {}", significant(w.p_value, 2)) };
+        let title = match w.autocorrelation.len() {
+            0 => format!("{}: {} values, too few", w.measurement, w.count),
+            _ => format!("{}: {} values, Ljung-Box p {p_value}", w.measurement, w.count),
+        };
+        let end = w.autocorrelation.len() as f64 + 1.0;
+        let lag = Axis::new("lag").unit("measured rows").whole().range(0.0, end);
+        Panel::new(lag, Axis::new("autocorrelation"))
             .title(title)
             .bars("autocorrelation", Colour::Blue, bars)
             .horizontal("95 % band", LIMIT, w.band)
@@ -141,8 +175,28 @@ pub fn autocorrelation(problem: &Problem, whiteness: &[Whiteness]) -> Figure {
     figure.panels(whiteness.iter().take(MOST).map(panel))
 }
 
+/// An axis that shows all values, and of their band what is near: a wide P0 would leave little room for the rest.
+fn of_course(axis: Axis, values: impl Iterator<Item = f64>, band: &Envelope) -> Axis {
+    let ends = |values: &mut dyn Iterator<Item = f64>| {
+        let usable = values.filter(|v| v.abs() < 1e300);
+        usable.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)])
+    };
+    let [low, high] = ends(&mut values.into_iter());
+    // Where the band settles: its width is below three times the median one in all but the first rows.
+    let mut widths: Vec<f64> = band.band().map(|(_, [low, high])| high - low).filter(|w| w.is_finite()).collect();
+    widths.sort_by(f64::total_cmp);
+    let settled = 3.0 * widths.get(widths.len() / 2).copied().unwrap_or(f64::INFINITY);
+    let near = band.band().map(|(_, edges)| edges).filter(|[low, high]| high - low <= settled);
+    let [band_low, band_high] = ends(&mut near.flatten());
+    let (low, high) = (low.min(band_low), high.max(band_high));
+    let room = 0.05 * (high - low);
+    // Constant values, or none, are left to the axis.
+    if room > 1e-9 * low.abs().max(high.abs()) && room < 1e299 { axis.range(low - room, high + room) } else { axis }
+}
+
 /// `nile: innovations`, after the problem file's name.
-pub(super) fn titled(problem: &Problem, what: &str) -> String {
+#[must_use]
+pub fn titled(problem: &Problem, what: &str) -> String {
     let name = std::path::Path::new(&problem.source).file_stem().map(|stem| stem.to_string_lossy().into_owned());
     match name.filter(|name| !name.is_empty()) {
         Some(name) => format!("{name}: {what}"),
@@ -150,11 +204,12 @@ pub(super) fn titled(problem: &Problem, what: &str) -> String {
     }
 }
 
-/// Time in seconds where the log has a column named so; else the column's own name.
+/// Time: a column named after it is in seconds, and one such as `year` or `k` counts what its name says.
 fn time_axis(problem: &Problem) -> Axis {
     match problem.data.time.as_deref() {
         None => Axis::new("row"),
         Some("t" | "time" | "T" | "Time") => Axis::new("time").unit("s"),
+        Some(column) if column.to_lowercase().starts_with("time") => Axis::new(column).unit("s"),
         Some(column) => Axis::new(column),
     }
 }

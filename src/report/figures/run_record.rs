@@ -60,6 +60,9 @@ pub(super) struct StateSeries {
     /// Column of truth in the log.
     truth_column: Option<usize>,
     pub(super) truth: Envelope,
+    /// Estimate minus truth, and plus and minus three standard deviations.
+    pub(super) error: Envelope,
+    pub(super) deviation: Envelope,
     pub(super) smoothed: Envelope,
 }
 
@@ -157,7 +160,9 @@ impl Track {
         let new = || Envelope::new(of.len());
         let state = |name: &String| {
             let truth_column = log.truth.iter().position(|truth| truth == name);
-            StateSeries { estimate: new(), band: new(), truth_column, truth: new(), smoothed: new() }
+            let (truth, error, deviation) = (new(), new(), new());
+            let (estimate, band, smoothed) = (new(), new(), new());
+            StateSeries { estimate, band, truth_column, truth, error, deviation, smoothed }
         };
         let measurement = || MeasurementSeries {
             measured: new(),
@@ -189,7 +194,10 @@ impl Track {
             series.estimate.push(time, x);
             series.band.push_band(time, [x - 3.0 * deviation, x + 3.0 * deviation]);
             if let Some(column) = series.truth_column {
-                series.truth.push(time, trajectory.truth.row(step.row)[column]);
+                let truth = trajectory.truth.row(step.row)[column];
+                series.truth.push(time, truth);
+                series.error.push(time, x - truth);
+                series.deviation.push_band(time, [-3.0 * deviation, 3.0 * deviation]);
             }
         }
         for (series, z) in self.measurements.iter_mut().zip(trajectory.z.row(step.row)) {

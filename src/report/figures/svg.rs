@@ -55,12 +55,16 @@ impl Svg {
         self.out
     }
 
-    /// Opens a part with its own origin that shows nothing outside of it. An inner svg element clips by itself, so that
-    /// no name is needed that could occur twice in a page.
-    pub(super) fn open_window(&mut self, [x, y, width, height]: [f64; 4]) {
+    /// Opens a part with its own origin that shows nothing farther than `margin` outside of it. An inner svg element
+    /// clips by itself, so that no name is needed that could occur twice in a page.
+    pub(super) fn open_window(&mut self, [x, y, width, height]: [f64; 4], margin: f64) {
+        let (left, top) = (x - margin, y - margin);
+        let (width, height) = (width + 2.0 * margin, height + 2.0 * margin);
         let _ = writeln!(
             self.out,
-            "<svg x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" overflow=\"hidden\">"
+            "<svg x=\"{left:.1}\" y=\"{top:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" overflow=\"hidden\" \
+             viewBox=\"{:.1} {:.1} {width:.1} {height:.1}\">",
+            -margin, -margin
         );
     }
 

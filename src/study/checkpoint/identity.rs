@@ -27,6 +27,12 @@ impl Identity {
     pub fn of(problem: &Problem, log: &Log) -> Self {
         Self { problem: of_problem(problem), log: of_log(log) }
     }
+
+    /// SHA-256 of every number of a log that a filter sees, in hexadecimal digits.
+    #[must_use]
+    pub fn of_log(log: &Log) -> String {
+        of_log(log).iter().map(|byte| format!("{byte:02x}")).collect()
+    }
 }
 
 /// By the `Debug` form of its parts: that has every digit of every number, and what is added to them later.

@@ -3,6 +3,7 @@
 mod covariances;
 mod file;
 mod formulas;
+mod front;
 mod parameters;
 mod tune;
 

@@ -1,5 +1,7 @@
 //! The toolkit on hostile data: every picture is well-formed, and its numbers are numbers.
 
+mod pictures;
+
 use proptest::prelude::*;
 
 use super::*;

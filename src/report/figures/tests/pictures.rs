@@ -1,0 +1,209 @@
+//! Every picture: what it names, and that hostile logs and studies cannot break it.
+
+use std::path::Path;
+
+use super::*;
+use crate::data::{Log, simulate};
+use crate::evaluate::{CpuEvaluator, CpuOptions, Device, Evaluation, Evaluator, Population, Status};
+use crate::model::Problem;
+use crate::reference;
+use crate::report::Evidence;
+use crate::study::Generation;
+
+fn example(name: &str) -> Problem {
+    Problem::open(&Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name)).unwrap()
+}
+
+/// Every picture of a run, with the names that are on it.
+fn of_run(problem: &Problem, log: &Log) -> Vec<(&'static str, Vec<String>)> {
+    let candidate = problem.parameters.baseline();
+    let (mut record, mut evidence) = (RunRecord::new(problem, log), Evidence::new(problem, log));
+    reference::visit(problem, log, &candidate, &mut |trajectory, step| {
+        record.add(trajectory, step);
+        evidence.add(trajectory, step);
+    })
+    .unwrap();
+    if let Some(trajectory) = record.finish() {
+        let smoothed = reference::smooth(problem, log, &candidate).unwrap();
+        record.add_smoothed(smoothed[trajectory].iter().map(|row| (row.time, &row.estimate)));
+    }
+    let whiteness = evidence.judge(problem, &candidate).whiteness;
+    let figures = [
+        ("estimates", Some(record.estimates())),
+        ("errors", record.errors()),
+        ("innovations", Some(record.innovations())),
+        ("nis", Some(record.nis())),
+        ("autocorrelation", Some(autocorrelation(problem, &whiteness))),
+        ("histogram", Some(record.histogram())),
+    ];
+    figures.into_iter().filter_map(|(name, figure)| Some((name, texts(&figure?.to_svg().unwrap())))).collect()
+}
+
+fn expect(pictures: &[(&str, Vec<String>)], name: &str, expected: &[&str]) {
+    let (_, found) = pictures.iter().find(|(picture, _)| *picture == name).expect("the picture is drawn");
+    for text in expected {
+        assert!(found.iter().any(|t| t == text), "{name}: {text:?} is missing of {found:?}");
+    }
+}
+
+/// A row of history with its cost.
+fn generation(generation: usize, best: Option<f64>) -> Generation {
+    Generation {
+        generation,
+        evaluations: 10,
+        best,
+        median: best.map(|b| b + 2.0),
+        spread: best.map(|_| 1.0),
+        failed: 0,
+        feasible: 10,
+        front: None,
+        hypervolume: None,
+        seconds: 0.1,
+    }
+}
+
+#[test]
+fn pictures_of_a_run_name_what_they_show() {
+    let problem = example("rocket.toml");
+    let log = simulate(&problem, None).unwrap();
+    let found = of_run(&problem, &log);
+    let legend = ["3-sigma band", "measured", "truth", "smoothed", "estimate"];
+    expect(&found, "estimates", &[&["rocket: measurements and estimates", "k", "d", "v", "a"][..], &legend].concat());
+    expect(&found, "errors", &["rocket: estimation errors", "error of v", "estimate minus truth"]);
+    expect(&found, "innovations", &["innovation of range", "± 2 sqrt(S)", "k"]);
+    expect(&found, "nis", &["NIS", "95 % band"]);
+    expect(&found, "autocorrelation", &["lag [measured rows]", "autocorrelation", "95 % band"]);
+    expect(&found, "histogram", &["normalised innovation", "density", "N(0, 1)", "range: 200 values"]);
+}
+
+#[test]
+fn of_several_trajectories_the_least_consistent_is_drawn() {
+    let mut problem = example("rocket.toml");
+    if let Some(spec) = &mut problem.simulate {
+        spec.trajectories = 3;
+    }
+    let mut log = simulate(&problem, None).unwrap();
+    let spoilt = &mut log.trajectories[1];
+    let far: Vec<f64> = spoilt.z.column(0).enumerate().map(|(k, z)| if k > 100 { z + 500.0 } else { z }).collect();
+    spoilt.z = crate::data::Table::new(1);
+    far.iter().for_each(|z| spoilt.z.push(&[*z]));
+    let id = if log.trajectories[1].id.is_empty() { "2".to_owned() } else { log.trajectories[1].id.clone() };
+    let found = of_run(&problem, &log);
+    let title = format!("rocket: innovations (trajectory {id}: largest mean NIS of 3)");
+    expect(&found, "innovations", &[&title]);
+}
+
+#[test]
+fn logs_of_one_row_with_gaps_or_without_any_measurement_are_drawn() {
+    let problem = example("rocket.toml");
+    for (text, what) in [
+        ("k,range,d,v,a\n0,990,,,\n", "one row"),
+        ("k,range,d,v,a\n0,,1,2,3\n1,,1,2,3\n2,5e3,,,\n", "nearly all missing"),
+        ("k,range,d,v,a\n0,990,1,2,3\n1,990,1,2,3\n2,990,1,2,3\n", "all equal"),
+        ("k,range,d,v,a\n0,990,1,2,3\n1,1e150,1,2,3\n", "huge"),
+    ] {
+        let log = Log::read(&problem.data, text.as_bytes(), "log.csv").unwrap();
+        assert!(of_run(&problem, &log).len() >= 5, "{what}");
+    }
+}
+
+#[test]
+fn convergence_copes_with_any_history() {
+    let problem = example("rocket.toml");
+    let histories = [
+        vec![],
+        vec![generation(0, None)],
+        vec![generation(0, Some(-3.0)), generation(1, Some(-3.0))],
+        vec![generation(0, Some(1e9)), generation(1, Some(2.0)), generation(2, Some(f64::MAX))],
+    ];
+    for history in histories {
+        let found = texts(&convergence(&problem, &history).to_svg().unwrap());
+        for expected in ["nll [nats]", "best so far", "median of the generation", "interquartile range", "generation"] {
+            assert!(found.iter().any(|t| t == expected), "{expected:?} is missing of {found:?}");
+        }
+        let volumes = history.iter().map(|row| (row.generation, row.best.unwrap_or(f64::NAN)));
+        assert!(!texts(&hypervolume(&problem, volumes).to_svg().unwrap()).is_empty(), "{history:?}");
+    }
+}
+
+/// Fails every other candidate, or all.
+struct Failing(bool);
+
+impl Evaluator for Failing {
+    fn objectives(&self) -> usize {
+        1
+    }
+
+    fn evaluate(&mut self, population: &Population) -> Evaluation {
+        let status = (0..population.len()).map(|i| if self.0 || i % 2 == 0 { Status::NOT_FINITE } else { Status::OK });
+        Evaluation::new(1, vec![1.0; population.len()], status.collect())
+    }
+
+    fn device(&self) -> Device {
+        Device { backend: "mock".into(), adapter: String::new(), precision: "f64".into() }
+    }
+}
+
+#[test]
+fn the_cost_around_the_winner_is_sliced_or_contoured() {
+    let cases = [("rocket.toml", "r [m^2]"), ("matlab_plant.toml", "q")];
+    for (name, parameter) in cases {
+        let problem = example(name);
+        let log = simulate(&problem, None).unwrap();
+        let baseline = problem.parameters.baseline();
+        let winner: Vec<f64> = baseline.iter().map(|value| 0.5 * value).collect();
+        let mut evaluator = CpuEvaluator::new(&problem, &log, CpuOptions::default()).unwrap();
+        let found = texts(&landscape(&problem, &winner, &baseline, 300, &mut evaluator).to_svg().unwrap());
+        for expected in [parameter, "tuned", "baseline"] {
+            assert!(found.iter().any(|t| t == expected), "{name}: {expected:?} is missing of {found:?}");
+        }
+        assert!(!found.iter().any(|t| t == "no data"), "{name}: {found:?}");
+        for all in [true, false] {
+            let svg = landscape(&problem, &winner, &baseline, 300, &mut Failing(all)).to_svg().unwrap();
+            assert!(!texts(&svg).is_empty(), "{name} with failures");
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(100))]
+    #[test]
+    fn any_front_is_drawn(
+        values in prop::collection::vec(any_value(), 0..40),
+        objectives in 0..5usize,
+        knee in prop::option::of(0..9usize),
+        baseline in prop::option::of(prop::collection::vec(any_value(), 0..5)),
+    ) {
+        let names = ["nll", "rmse", "nis", "mismatch"];
+        let members: Vec<&[f64]> = values.chunks(objectives.max(1)).collect();
+        let title = "front";
+        let objectives = &names[..objectives.min(4)];
+        let baseline = baseline.as_deref();
+        let front = FrontPicture { title, objectives, members: &members, knee, recommended: knee, baseline };
+        texts(&front.scatter().to_svg().unwrap());
+        let problem = example("matlab_plant.toml");
+        let own = problem.parameters.baseline();
+        texts(&front.parallel(&problem.parameters, &members, &own).to_svg().unwrap());
+    }
+}
+
+#[test]
+fn a_front_has_its_ends_its_knee_and_the_baseline() {
+    let points = [[1.0, 9.0], [2.0, 3.0], [8.0, 2.0]];
+    let members: Vec<&[f64]> = points.iter().map(|p| &p[..]).collect();
+    let front = FrontPicture {
+        title: "front",
+        objectives: &["nll", "rmse"],
+        members: &members,
+        knee: Some(1),
+        recommended: Some(0),
+        baseline: Some(&[10.0, 10.0]),
+    };
+    let drawn = |front: FrontPicture<'_>| texts(&front.scatter().to_svg().unwrap());
+    let found = drawn(front);
+    for expected in ["nll [nats]", "rmse", "front", "best nll", "best rmse", "knee", "recommended", "baseline"] {
+        assert!(found.iter().any(|t| t == expected), "{expected:?} is missing of {found:?}");
+    }
+    let far = drawn(FrontPicture { baseline: Some(&[1e7, 10.0]), ..front });
+    assert!(far.iter().any(|t| t.starts_with("baseline, far outside at (1.000e7, 10.00)")), "{far:?}");
+}

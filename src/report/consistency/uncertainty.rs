@@ -222,7 +222,9 @@ impl Shape {
             .filter(|(_, share)| share.abs() >= NAMED)
             .map(|(f, share)| (f, share / f.unit))
             .collect();
-        let largest = named.iter().fold(0.0, |max: f64, (_, c)| if c.abs() > max.abs() { *c } else { max });
+        let size = named.iter().map(|(_, c)| c.abs()).fold(0.0, f64::max);
+        // The first of those that are as good as the largest, so that rounding does not choose the sign.
+        let largest = named.iter().map(|(_, c)| *c).find(|c| c.abs() > 0.999 * size).unwrap_or(1.0);
         let terms: Vec<(&Free, f64)> = named.into_iter().map(|(f, c)| (f, c / largest)).collect();
         let statement = statement(&terms);
         FlatDirection { combination: terms.iter().map(|(f, c)| (f.parameter.name.as_str(), *c)).collect(), statement }

@@ -17,6 +17,16 @@ fn read(name: &str) -> String {
     std::fs::read_to_string(path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
+/// Every page for users.
+const PAGES: [&str; 6] = [
+    "README.md",
+    "ARCHITECTURE.md",
+    "CHANGELOG.md",
+    "docs/problem-file.md",
+    "docs/semantics.md",
+    "docs/reproductions.md",
+];
+
 /// The words in backticks of a line.
 fn quoted(line: &str) -> BTreeSet<&str> {
     line.split('`').skip(1).step_by(2).collect()
@@ -47,6 +57,16 @@ fn the_supported_table_has_what_the_registries_have() {
     check("functions", Function::ALL.iter().map(|(name, _)| *name).collect());
     check("objectives", Kind::ALL.iter().map(|(name, _)| *name).collect());
     check("optimisers", ALGORITHMS.iter().map(|row| row.name).collect());
+}
+
+#[test]
+fn the_page_of_reproductions_has_every_study() {
+    let page = read("docs/reproductions.md");
+    for study in kfgpu::reproduce::STUDIES {
+        let heading = format!("## {}", study.name);
+        assert!(page.lines().any(|line| line.starts_with(&heading)), "docs/reproductions.md has no section {heading}");
+        assert!(page.contains(study.paper), "docs/reproductions.md does not name {}", study.paper);
+    }
 }
 
 #[test]
@@ -97,7 +117,7 @@ fn the_readme_shows_the_shipped_rocket() {
 #[test]
 fn every_command_shown_exists_and_every_verb_is_shown() {
     let mut shown = BTreeSet::new();
-    for name in ["README.md", "ARCHITECTURE.md", "CHANGELOG.md", "docs/problem-file.md", "docs/semantics.md"] {
+    for name in PAGES {
         let text = read(name);
         let lines = blocks(&text, "sh").into_iter().chain(blocks(&text, "text")).flat_map(str::lines);
         let code = lines.map(|line| line.trim_start_matches("$ ")).chain(quoted(&text));
@@ -107,7 +127,7 @@ fn every_command_shown_exists_and_every_verb_is_shown() {
             shown.insert(verb.to_owned());
         }
     }
-    for verb in ["tune", "filter", "init", "tape", "simulate", "evaluate", "bench", "devices", "shader"] {
+    for verb in ["tune", "filter", "init", "tape", "simulate", "evaluate", "bench", "devices", "shader", "reproduce"] {
         assert!(shown.contains(verb), "the docs show no `kfgpu {verb}`");
     }
 }
@@ -178,7 +198,7 @@ fn figures_in_the_readme_are_the_recorded_ones() {
 /// Relative links lead somewhere.
 #[test]
 fn links_lead_to_files() {
-    for name in ["README.md", "ARCHITECTURE.md", "CHANGELOG.md", "docs/problem-file.md", "docs/semantics.md"] {
+    for name in PAGES {
         let folder = path(name).parent().unwrap().to_owned();
         let text = read(name);
         for target in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {

@@ -30,6 +30,12 @@ pub enum Cause {
     /// `first = "predict"` has no interval to use.
     #[error("first = \"predict\" has no interval, because the log's intervals differ (give first_dt)")]
     NoFirstInterval,
+    /// A setting of an adaptive filter is outside its range for this candidate.
+    #[error("`filter.{key}` is outside its range for this candidate (check the bounds of its parameters)")]
+    Setting {
+        /// Its key.
+        key: &'static str,
+    },
     /// The log has other measurement or input columns than the model.
     #[error("the log's measurements and inputs are not the model's (check [data])")]
     WrongColumns,

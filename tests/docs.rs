@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use kfgpu::model::{Function, Problem, built_in_models};
+use kfgpu::model::{FilterKind, Function, Problem, built_in_models};
 use kfgpu::objective::Kind;
 use kfgpu::optimize::ALGORITHMS;
 
@@ -70,10 +70,11 @@ fn the_page_of_reproductions_has_every_study() {
 }
 
 #[test]
-fn the_problem_file_page_names_every_model_function_objective_and_optimiser() {
+fn the_problem_file_page_names_every_model_filter_function_objective_and_optimiser() {
     let page = read("docs/problem-file.md");
     let named = quoted(&page);
     let names = built_in_models()
+        .chain(FilterKind::NAMES)
         .chain(Function::ALL.iter().map(|(name, _)| *name))
         .chain(Kind::ALL.iter().map(|(name, _)| *name))
         .chain(ALGORITHMS.iter().map(|row| row.name));

@@ -5,6 +5,7 @@ mod definite;
 mod draft;
 mod error;
 mod expr;
+mod filter;
 mod formula;
 mod library;
 mod linear;
@@ -16,9 +17,10 @@ mod tuned;
 pub use draft::{Draft, draft};
 pub use error::{Cause, Place, ProblemError};
 pub use expr::{Binary, Expr, ExprKind, Function, Span, Symbol};
+pub use filter::{FilterKind, Range, Setting};
 pub use library::built_in_models;
 pub use parameter::{Parameter, Parameters, Scale, Search, Value};
-pub use problem::{DataSpec, FilterKind, First, Model, Problem, SimulateSpec, Start, TuneSpec};
+pub use problem::{DataSpec, First, Model, Problem, SimulateSpec, Start, TuneSpec};
 
 #[cfg(test)]
 mod tests;

@@ -1,8 +1,8 @@
-//! The `[filter]` and `[tune]` tables.
+//! The `[tune]` table.
 
 use super::node::{Fields, Node, shorten};
 use crate::model::error::{Cause, Fault, nearest};
-use crate::model::{DataSpec, FilterKind, TuneSpec};
+use crate::model::{DataSpec, TuneSpec};
 use crate::objective::{Kind, Objective};
 use crate::optimize::ALGORITHMS;
 
@@ -10,20 +10,6 @@ const MAX_POPULATION: u32 = 16_777_216;
 const MAX_GENERATIONS: u32 = 1_000_000;
 const KEYS: [&str; 8] =
     ["algorithm", "objectives", "population", "generations", "seed", "stop", "include_start", "polish"];
-
-/// Reads `[filter]`; the linear Kalman filter without one.
-pub(super) fn filter(document: &Fields<'_>) -> Result<FilterKind, Fault> {
-    let Some(node) = document.get("filter") else { return Ok(FilterKind::Kalman) };
-    let fields = node.table("a table", &["kind"])?;
-    match fields.optional("kind", |n| Ok((n.clone(), n.string()?)))? {
-        None | Some((_, "kalman")) => Ok(FilterKind::Kalman),
-        Some((n, other)) => {
-            let known = vec!["kalman".to_owned()];
-            let (key, name) = (n.key.clone(), shorten(other));
-            Err(n.fault(Cause::NoSuch { key, what: "the filter", name, nearest: None, known }))
-        }
-    }
-}
 
 /// Reads `[tune]`, filling in defaults.
 pub(super) fn tune(document: &Fields<'_>, data: &DataSpec, states: &[String]) -> Result<TuneSpec, Fault> {

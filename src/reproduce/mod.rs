@@ -5,6 +5,7 @@
 //! Everything but times depends on the seed alone.
 
 mod kf_pio;
+mod moma;
 mod reproduction;
 mod statistics;
 mod table;
@@ -14,6 +15,7 @@ use std::num::NonZero;
 
 use rand::TryRng as _;
 
+use crate::data::SimulateError;
 use crate::evaluate::BuildError;
 use crate::model::ProblemError;
 use crate::optimize::OptimizeError;
@@ -40,7 +42,7 @@ pub struct PublishedStudy {
 }
 
 /// Every study that can be reproduced.
-pub static STUDIES: &[PublishedStudy] = &[kf_pio::STUDY];
+pub static STUDIES: &[PublishedStudy] = &[kf_pio::STUDY, moma::STUDY];
 
 /// How a study is run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -85,6 +87,9 @@ pub enum ReproduceError {
     /// The study's own problem was refused.
     #[error(transparent)]
     Problem(#[from] ProblemError),
+    /// Its log could not be drawn.
+    #[error(transparent)]
+    Simulate(#[from] SimulateError),
     /// The filter cannot be traced.
     #[error(transparent)]
     Build(#[from] BuildError),

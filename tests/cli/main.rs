@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a helper that fails fails its test")]
 #![expect(clippy::missing_assert_message, reason = "the values compared say it")]
 
+mod adaptive;
 mod bad_input;
 mod bench;
 mod check;

@@ -2,6 +2,8 @@
 //!
 //! Nothing else in kfgpu is trusted before these pass, because everything else is compared with the reference.
 
+mod adaptive;
+mod adaptive_study;
 mod diffuse;
 mod examples;
 mod held_out;

@@ -2,6 +2,7 @@
 
 mod covariances;
 mod file;
+mod filter;
 mod formulas;
 mod front;
 mod parameters;

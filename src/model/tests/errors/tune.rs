@@ -21,7 +21,7 @@ fn tuning() {
             "\"kalman\"",
             "\"extended\"",
             "\"extended\"",
-            "23:8: `filter.kind` names the filter `extended`, which does not exist (known: `kalman`)",
+            "23:8: `filter.kind` names the filter `extended`, which does not exist (known: `kalman`, `sage-husa`, `sage-husa-r`, `fuzzy`)",
         ),
         (
             "[\"nll\"]",

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-#[path = "../fuzz/bodies.rs"]
+#[path = "../fuzz/bodies/mod.rs"]
 mod bodies;
 
 use std::fs;
@@ -33,4 +33,31 @@ fn problem() {
 #[test]
 fn formula() {
     replay("formula", bodies::formula);
+}
+
+#[test]
+fn checkpoint() {
+    replay("checkpoint", bodies::checkpoint);
+}
+
+/// The seeds of `checkpoint` are bodies of real ones: `cargo test --test fuzz_seeds -- --ignored` writes them anew after
+/// the format has changed.
+#[test]
+#[ignore = "writes seeds"]
+fn write_checkpoint_seeds() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/seeds/checkpoint");
+    for (name, body) in bodies::checkpoint_bodies() {
+        fs::write(folder.join(name), body).unwrap();
+    }
+}
+
+/// Seeds of an older format are refused at once and try nothing.
+#[test]
+fn checkpoint_seeds_are_of_this_format() {
+    for (name, body) in bodies::checkpoint_bodies() {
+        let seed = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/seeds/checkpoint").join(name);
+        let read = |body: &[u8]| kfgpu::study::Checkpoint::read(&kfgpu::study::Checkpoint::seal(body));
+        assert!(read(&body).is_ok(), "{name}");
+        assert!(read(&fs::read(seed).unwrap()).is_ok(), "{name}: write the seeds anew");
+    }
 }

@@ -2,6 +2,10 @@
 //!
 //! A target fails by panicking: by a bug of the library, or by one of the assertions here.
 
+mod checkpoint;
+
+pub(crate) use checkpoint::{bodies as checkpoint_bodies, checkpoint};
+
 use kfgpu::data::{self, Log, Summary, Table, Trajectory};
 use kfgpu::filter;
 use kfgpu::model::{self, DataSpec, Problem};

@@ -50,7 +50,7 @@ const EXIT_CODES: &str = "Exit codes: 0 done; 1 ran, but the result is not usabl
 
 #[derive(Debug, Subcommand)]
 enum Verb {
-    Tune(tune::Tune),
+    Tune(Box<tune::Tune>),
     Filter(filter::Filter),
     Init(init::Init),
     Tape(tape::Tape),

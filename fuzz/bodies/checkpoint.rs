@@ -58,11 +58,12 @@ fn objectives(algorithm: &str) -> Option<usize> {
 }
 
 fn problem(algorithm: &str) -> Problem {
+    let objectives = if objectives(algorithm) == Some(1) { "[\"nll\"]" } else { "[\"nll\", \"nis\"]" };
     let text = format!(
         "[data]\nmeasurements = [\"z\"]\n[model]\nstate = [\"x\"]\nf = [\"x\"]\nh = [\"x\"]\nQ = [\"q\"]\n\
-         R = [\"r\"]\nx0 = [0]\nP0 = [10]\n[parameters]\nq = {{ min = 0.1, max = 9, start = 1 }}\nr = {{ min = 0.1, max = 9, start = 1 }}\n[tune]\n\
-         algorithm = \"{algorithm}\"\nobjectives = [\"nll\", \"nis\"]\npopulation = 6\ngenerations = 4\npolish = false\n\
-         [simulate]\nsteps = 3\nseed = 1\n"
+         R = [\"r\"]\nx0 = [0]\nP0 = [10]\n[parameters]\nq = {{ min = 0.1, max = 0.9, start = 0.5 }}\n\
+         r = {{ min = 0.1, max = 0.9, start = 0.5 }}\n[tune]\nalgorithm = \"{algorithm}\"\n\
+         objectives = {objectives}\npopulation = 6\ngenerations = 4\npolish = false\n[simulate]\nsteps = 3\nseed = 1\n"
     );
     Problem::parse(&text, "fuzz.toml").expect("a problem")
 }

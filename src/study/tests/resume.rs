@@ -97,14 +97,15 @@ fn time_spent_before_counts() {
 
 #[test]
 fn a_state_of_another_search_is_refused() {
+    type Change<'a> = &'a dyn Fn(&mut Snapshot);
     let spec = tune("pso", 13, 12);
     let state = kept(&spec).1.swap_remove(3).0;
-    let refused = |change: &dyn Fn(&mut Snapshot)| {
+    let refused = |change: Change<'_>| {
         let mut broken = state.clone();
         change(&mut broken);
         resumed(&spec, &broken, 1).expect_err("an error").to_string()
     };
-    let cases: [(&str, &dyn Fn(&mut Snapshot)); 9] = [
+    let cases: [(&str, Change<'_>); 9] = [
         ("its algorithm is another", &|s| s.algorithm = "pio".to_owned()),
         ("numbers of parameters and objectives", &|s| s.archive[0].costs.clear()),
         ("numbers of parameters and objectives", &|s| {

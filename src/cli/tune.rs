@@ -46,7 +46,8 @@ pub(super) struct Tune {
     #[arg(long, value_name = "PICK")]
     pick: Option<String>,
 
-    /// Optimiser: pso, pso-inertia, pio, pio-printed, pio+, random (default: the file's `tune.algorithm`), to compare searches.
+    /// Optimiser: pso, pso-inertia, pio, pio-printed, pio+ for one objective, nsga2, nsga2-study, moma, moma-annealed for a
+    /// front, random for both (default: the file's `tune.algorithm`), to compare searches.
     #[arg(long, value_name = "NAME")]
     algorithm: Option<String>,
 

@@ -9,6 +9,7 @@ mod checkpoint;
 mod command;
 mod evaluate;
 mod examples;
+mod figures;
 mod filter;
 mod front;
 mod gpu;

@@ -9,7 +9,7 @@ use crate::report::{Whiteness, significant};
 const MEASURED: (Marker, Colour) = (Marker::Dot, Colour::Grey);
 const ESTIMATE: Stroke = Stroke::new(Colour::Black);
 const TRUTH: Stroke = Stroke::dashed(Colour::Red, Dash::Dashed).width(1.6);
-const SMOOTHED: Stroke = Stroke::dashed(Colour::Amber, Dash::Solid).width(1.6);
+const SMOOTHED: Stroke = Stroke::dashed(Colour::Blue, Dash::DashDot).width(1.8);
 const LIMIT: Stroke = Stroke::dashed(Colour::Red, Dash::Dashed);
 
 impl RunRecord<'_> {
@@ -155,7 +155,7 @@ pub fn autocorrelation(problem: &Problem, whiteness: &[Whiteness]) -> Figure {
         });
         let p_value = if w.p_value < 1e-4 { "< 1e-4".to_owned() } else { format!("= {}", significant(w.p_value, 2)) };
         let title = match w.autocorrelation.len() {
-            0 => format!("{}: {} values, too few", w.measurement, w.count),
+            0 => format!("{}: too few values", w.measurement),
             _ => format!("{}: {} values, Ljung-Box p {p_value}", w.measurement, w.count),
         };
         let end = w.autocorrelation.len() as f64 + 1.0;

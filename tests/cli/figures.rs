@@ -28,7 +28,7 @@ fn names(more: &[&str]) -> BTreeSet<String> {
 #[test]
 fn tune_draws_what_makes_sense_and_leaves_nothing_of_an_earlier_run() {
     let folder = Folder::with_level();
-    let figures = folder.path().join("out/figures");
+    let figures = folder.path("out/figures");
     fs::create_dir_all(&figures).unwrap();
     fs::write(figures.join("front.svg"), "of an earlier run").unwrap();
     folder.run(&["tune", "problem.toml", "--generations", "3", "--out", "out"]).expect(0);
@@ -42,7 +42,7 @@ fn tune_draws_what_makes_sense_and_leaves_nothing_of_an_earlier_run() {
 fn filter_draws_its_run() {
     let folder = Folder::with_level();
     folder.run(&["filter", "problem.toml", "--out", "run.csv", "--figures", "seen/here"]).expect(0);
-    assert_eq!(pictures(&folder.path().join("seen/here")), names(&[]));
+    assert_eq!(pictures(&folder.path("seen/here")), names(&[]));
     let refused = folder.run(&["filter", "problem.toml", "--figures", "run.csv"]).expect(2);
     assert!(refused.stderr.contains("cannot make the output folder"), "{}", refused.stderr);
 }

@@ -92,7 +92,7 @@ fn flags_take_the_place_of_the_file() {
 fn the_folder_holds_everything_and_its_problem_runs() {
     let folder = Folder::with_level();
     let json = tune(&folder, &["--out", "results/first"]);
-    assert_eq!(folder.names("results/first"), ["checkpoint.kfgpu", "history.csv", "result.json", "tuned.toml"]);
+    assert_eq!(folder.names("results/first"), ["checkpoint.kfgpu", "figures", "history.csv", "result.json", "tuned.toml"]);
     let written: Value = serde_json::from_str(&folder.read("results/first/result.json")).unwrap();
     assert_eq!(written, json);
     let history = folder.read("results/first/history.csv");
@@ -196,7 +196,7 @@ fn ctrl_c_writes_the_best_so_far_and_exits_130() {
     let json = finished.json();
     assert_eq!(json["stop"], "interrupted");
     assert!(json["objectives"]["nll"].as_f64() < json["baseline"]["objectives"]["nll"].as_f64(), "{json}");
-    assert_eq!(folder.names("out"), ["checkpoint.kfgpu", "history.csv", "result.json", "tuned.toml"]);
+    assert_eq!(folder.names("out"), ["checkpoint.kfgpu", "figures", "history.csv", "result.json", "tuned.toml"]);
 }
 
 #[cfg(unix)]

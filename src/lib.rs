@@ -135,6 +135,7 @@ pub mod objective;
 pub mod optimize;
 pub mod reference;
 pub mod report;
+pub mod reproduce;
 pub mod study;
 pub mod tape;
 

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use kfgpu::model::{Function, Problem, built_in_models};
+use kfgpu::model::{FilterKind, Function, Problem, built_in_models};
 use kfgpu::objective::Kind;
 use kfgpu::optimize::ALGORITHMS;
 
@@ -16,6 +16,16 @@ fn path(name: &str) -> PathBuf {
 fn read(name: &str) -> String {
     std::fs::read_to_string(path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
+
+/// Every page for users.
+const PAGES: [&str; 6] = [
+    "README.md",
+    "ARCHITECTURE.md",
+    "CHANGELOG.md",
+    "docs/problem-file.md",
+    "docs/semantics.md",
+    "docs/reproductions.md",
+];
 
 /// The words in backticks of a line.
 fn quoted(line: &str) -> BTreeSet<&str> {
@@ -50,10 +60,21 @@ fn the_supported_table_has_what_the_registries_have() {
 }
 
 #[test]
-fn the_problem_file_page_names_every_model_function_objective_and_optimiser() {
+fn the_page_of_reproductions_has_every_study() {
+    let page = read("docs/reproductions.md");
+    for study in kfgpu::reproduce::STUDIES {
+        let heading = format!("## {}", study.name);
+        assert!(page.lines().any(|line| line.starts_with(&heading)), "docs/reproductions.md has no section {heading}");
+        assert!(page.contains(study.paper), "docs/reproductions.md does not name {}", study.paper);
+    }
+}
+
+#[test]
+fn the_problem_file_page_names_every_model_filter_function_objective_and_optimiser() {
     let page = read("docs/problem-file.md");
     let named = quoted(&page);
     let names = built_in_models()
+        .chain(FilterKind::NAMES)
         .chain(Function::ALL.iter().map(|(name, _)| *name))
         .chain(Kind::ALL.iter().map(|(name, _)| *name))
         .chain(ALGORITHMS.iter().map(|row| row.name));
@@ -97,7 +118,7 @@ fn the_readme_shows_the_shipped_rocket() {
 #[test]
 fn every_command_shown_exists_and_every_verb_is_shown() {
     let mut shown = BTreeSet::new();
-    for name in ["README.md", "ARCHITECTURE.md", "CHANGELOG.md", "docs/problem-file.md", "docs/semantics.md"] {
+    for name in PAGES {
         let text = read(name);
         let lines = blocks(&text, "sh").into_iter().chain(blocks(&text, "text")).flat_map(str::lines);
         let code = lines.map(|line| line.trim_start_matches("$ ")).chain(quoted(&text));
@@ -107,7 +128,21 @@ fn every_command_shown_exists_and_every_verb_is_shown() {
             shown.insert(verb.to_owned());
         }
     }
-    for verb in ["tune", "filter", "init", "tape", "simulate", "evaluate", "bench", "devices", "shader"] {
+    let verbs = [
+        "tune",
+        "filter",
+        "check",
+        "compare",
+        "init",
+        "tape",
+        "simulate",
+        "evaluate",
+        "bench",
+        "devices",
+        "shader",
+        "reproduce",
+    ];
+    for verb in verbs {
         assert!(shown.contains(verb), "the docs show no `kfgpu {verb}`");
     }
 }
@@ -178,7 +213,7 @@ fn figures_in_the_readme_are_the_recorded_ones() {
 /// Relative links lead somewhere.
 #[test]
 fn links_lead_to_files() {
-    for name in ["README.md", "ARCHITECTURE.md", "CHANGELOG.md", "docs/problem-file.md", "docs/semantics.md"] {
+    for name in PAGES {
         let folder = path(name).parent().unwrap().to_owned();
         let text = read(name);
         for target in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {

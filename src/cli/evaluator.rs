@@ -90,7 +90,7 @@ impl Chosen {
     }
 
     /// Says where the costs of a resumed search come from, if that is another kind of device than before.
-    pub(super) fn say_if_not(&self, before: &Device) {
+    pub(super) fn say_if_moved(&self, before: &Device) {
         let now = self.evaluator.device();
         if now.backend != before.backend {
             let name = |device: &Device| format!("the {} ({})", device.backend.to_uppercase(), device.adapter);

@@ -9,15 +9,15 @@ use super::console::Console;
 use super::files::{self, Destination, OutFolder};
 use super::load::{self, Loaded};
 use super::{Ending, pictures};
-use crate::model::Problem;
 use crate::objective::Objective;
-use crate::reference;
-use crate::report::{Consistency, Covariance, Evidence, Named, RunTable};
+use crate::reference::{self, Smoothed, Step};
+use crate::report::{Columns, Consistency, Covariance, Evidence, Named, RunTable, StateErrors, short};
 
 /// Run one filter over the log in f64, and write its states, covariances and innovations as CSV.
 ///
 /// Columns: trajectory (where the log has them), time, posterior states, posterior covariance `P_a_b`, prior
-/// innovations `nu_z`, their variances `S_z`, and `nis`. A cell is empty where nothing was measured.
+/// innovations `nu_z`, their variances `S_z`, and `nis`; with --smooth also smoothed states `x_smoothed` and covariance
+/// `P_a_b_smoothed`. A cell is empty where nothing was measured.
 #[derive(Debug, Args)]
 pub(super) struct Filter {
     /// Problem file (TOML).
@@ -32,6 +32,12 @@ pub(super) struct Filter {
     /// `data.file`).
     #[arg(long, value_name = "FILE")]
     data: Option<String>,
+
+    /// Add columns of smoothed states and covariances, which take all measurements of the trajectory into account, later
+    /// ones too (default: the filter's alone, which knows no future); for looking back at a finished log, not for what a
+    /// filter would have done at the time.
+    #[arg(long)]
+    smooth: bool,
 
     /// Write only the variances of the covariance (default: its upper triangle), for many states.
     #[arg(long)]
@@ -57,7 +63,23 @@ struct Summary {
     parameters: Named<f64>,
     objectives: Named<f64>,
     consistency: Consistency,
+    rmse: Option<Rmse>,
     warnings: Vec<String>,
+}
+
+/// RMSE of each state against its truth, in its unit.
+#[derive(Debug, Serialize)]
+struct Rmse {
+    filter: Named<f64>,
+    /// With --smooth.
+    smoother: Option<Named<f64>>,
+}
+
+/// What is collected while the filter runs.
+struct Gathered<'a> {
+    loaded: &'a Loaded,
+    evidence: Evidence,
+    errors: StateErrors,
 }
 
 impl Filter {
@@ -66,22 +88,21 @@ impl Filter {
             (!self.json || self.out.is_some()).then(|| Destination::prepare(self.out.as_deref())).transpose()?;
         let loaded = load::load(Some(&self.problem), self.data.as_deref(), console)?;
         let (problem, log) = (&loaded.problem, &loaded.log);
-        let candidate = match &self.parameters {
-            Some(path) => problem.candidate_from(&Problem::open(path)?)?,
-            None => problem.parameters.baseline(),
-        };
         if let Some(folder) = &self.figures {
             OutFolder::prepare(folder)?;
         }
-        let mut evidence = Evidence::new(problem, log);
+        let candidate = load::candidate(problem, self.parameters.as_deref())?;
+        let smoothed = self.smooth.then(|| reference::smooth(problem, log, &candidate)).transpose()?;
+        let mut gathered = Gathered::new(&loaded);
         let costs = match &table {
-            None => reference::visit(problem, log, &candidate, &mut |t, step| evidence.add(t, step))?,
-            Some(table) => self.write(table, &loaded, &candidate, &mut evidence)?,
+            None => reference::visit(problem, log, &candidate, &mut |t, step| gathered.add(t, step))?,
+            Some(table) => self.write(table, &candidate, smoothed.as_deref(), &mut gathered)?,
         };
         let summary = Summary {
             parameters: Named::new(problem.parameters.names(), candidate.iter().copied()),
             objectives: Named::new(problem.tune.objectives.iter().map(Objective::name), costs),
-            consistency: evidence.judge(problem, &candidate),
+            consistency: gathered.evidence.judge(problem, &candidate),
+            rmse: Rmse::of(&gathered, smoothed.as_deref()),
             warnings: loaded.warnings.clone(),
         };
         if let Some(folder) = &self.figures {
@@ -93,6 +114,7 @@ impl Filter {
             for (name, cost) in summary.objectives.iter() {
                 console.note(format_args!("{name} = {cost}"));
             }
+            summary.rmse.iter().flat_map(Rmse::lines).for_each(|line| console.note(line));
             console.note(&summary.consistency);
         }
         Ok(Ending::Done)
@@ -102,24 +124,71 @@ impl Filter {
     fn write(
         &self,
         table: &Destination,
-        Loaded { problem, log, .. }: &Loaded,
         candidate: &[f64],
-        evidence: &mut Evidence,
+        smoothed: Option<&[Vec<Smoothed>]>,
+        gathered: &mut Gathered,
     ) -> anyhow::Result<Vec<f64>> {
+        let Loaded { problem, log, .. } = gathered.loaded;
         let covariance = if self.diagonal { Covariance::Diagonal } else { Covariance::Triangle };
+        let columns = Columns { covariance, smoothed: smoothed.is_some() };
         let mut costs = Vec::new();
         table.write(|out| {
-            let mut rows = RunTable::new(problem, log, covariance, out)?;
+            let mut rows = RunTable::new(problem, log, columns, out)?;
             let mut written = Ok(());
+            let mut next = 0;
             costs = reference::visit(problem, log, candidate, &mut |trajectory, step| {
-                evidence.add(trajectory, step);
+                gathered.add(trajectory, step);
+                // Rows come trajectory by trajectory, and both lists begin with the same row.
+                let list = smoothed.map_or(&[][..], |all| &all[trajectory]);
+                next = if list.first().is_some_and(|first| first.row == step.row) { 0 } else { next };
+                let estimate = list.get(next).map(|smoothed| &smoothed.estimate);
+                next += 1;
                 if written.is_ok() {
-                    written = rows.row(trajectory, step);
+                    written = rows.row(trajectory, step, estimate);
                 }
             })?;
             written?;
             Ok(rows.finish()?)
         })?;
         Ok(costs)
+    }
+}
+
+impl<'a> Gathered<'a> {
+    fn new(loaded: &'a Loaded) -> Self {
+        let Loaded { problem, log, .. } = loaded;
+        Self { loaded, evidence: Evidence::new(problem, log), errors: StateErrors::new(problem, log) }
+    }
+
+    fn add(&mut self, trajectory: usize, step: &Step) {
+        self.evidence.add(trajectory, step);
+        self.errors.add(&self.loaded.log.trajectories[trajectory], step.row, &step.posterior.x);
+    }
+}
+
+impl Rmse {
+    /// `None` without truth.
+    fn of(gathered: &Gathered, smoothed: Option<&[Vec<Smoothed>]>) -> Option<Self> {
+        let filter = gathered.errors.rmse();
+        if filter.iter().len() == 0 {
+            return None;
+        }
+        let Loaded { problem, log, .. } = gathered.loaded;
+        let smoother = smoothed.map(|all| {
+            let mut errors = StateErrors::new(problem, log);
+            for (trajectory, rows) in log.trajectories.iter().zip(all) {
+                rows.iter().for_each(|s| errors.add(trajectory, s.row, &s.estimate.x));
+            }
+            errors.rmse()
+        });
+        Some(Self { filter, smoother })
+    }
+
+    fn lines(&self) -> impl Iterator<Item = String> {
+        self.filter.iter().map(|(state, filter)| {
+            let smoother = self.smoother.as_ref().and_then(|named| named.get(state));
+            let smoother = smoother.map_or_else(String::new, |v| format!(", smoother {}", short(*v, 5)));
+            format!("rmse of {state}: filter {}{smoother}", short(*filter, 5))
+        })
     }
 }

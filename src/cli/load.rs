@@ -77,3 +77,11 @@ pub(super) fn log_of(
     warnings.iter().for_each(|warning| console.warn(warning));
     Ok(Loaded { problem, log, origin, warnings })
 }
+
+/// The candidate that a verb runs: the start values of `parameters`, another problem file, or the problem's own.
+pub(super) fn candidate(problem: &Problem, parameters: Option<&Path>) -> anyhow::Result<Vec<f64>> {
+    Ok(match parameters {
+        Some(path) => problem.candidate_from(&Problem::open(path)?)?,
+        None => problem.parameters.baseline(),
+    })
+}

@@ -2,7 +2,9 @@
 
 mod bench;
 mod candidates;
+mod check;
 mod checkpoint;
+mod compare;
 mod console;
 #[cfg(feature = "gpu")]
 mod devices;
@@ -10,6 +12,7 @@ mod evaluate;
 mod evaluator;
 mod files;
 mod filter;
+mod held_out;
 mod init;
 mod interrupt;
 mod load;
@@ -18,6 +21,7 @@ mod overrides;
 mod paths;
 mod pictures;
 mod progress;
+mod reproduce;
 mod results;
 #[cfg(feature = "gpu")]
 mod shader;
@@ -51,13 +55,17 @@ const EXIT_CODES: &str = "Exit codes: 0 done; 1 ran, but the result is not usabl
 
 #[derive(Debug, Subcommand)]
 enum Verb {
-    Tune(tune::Tune),
+    // Boxed, because it has many more flags than the others.
+    Tune(Box<tune::Tune>),
     Filter(filter::Filter),
+    Check(check::Check),
     Init(init::Init),
     Tape(tape::Tape),
     Simulate(simulate::Simulate),
     Evaluate(evaluate::Evaluate),
+    Compare(compare::Compare),
     Bench(bench::Bench),
+    Reproduce(reproduce::Reproduce),
     #[cfg(feature = "gpu")]
     Devices(devices::Devices),
     #[cfg(feature = "gpu")]
@@ -109,11 +117,14 @@ impl Verb {
         match self {
             Self::Tune(verb) => verb.run(console),
             Self::Filter(verb) => verb.run(console),
+            Self::Check(verb) => verb.run(console),
             Self::Init(verb) => verb.run(console),
             Self::Tape(verb) => verb.run(console),
             Self::Simulate(verb) => verb.run(console),
             Self::Evaluate(verb) => verb.run(console),
+            Self::Compare(verb) => verb.run(console),
             Self::Bench(verb) => verb.run(console),
+            Self::Reproduce(verb) => verb.run(console),
             #[cfg(feature = "gpu")]
             Self::Devices(verb) => verb.run(console),
             #[cfg(feature = "gpu")]

@@ -8,10 +8,10 @@ use crate::evaluate::{CpuEvaluator, CpuOptions, Precision};
 use crate::model::Problem;
 use crate::objective::Objective;
 use crate::reference;
-use crate::report::Whiteness;
 use crate::report::figures::{
     Figure, FrontPicture, RunRecord, autocorrelation, convergence, hypervolume, landscape, titled,
 };
+use crate::report::{Picture, Whiteness};
 use crate::study::{Outcome, Winner};
 
 /// Folder of the pictures inside that of `tune --out`.
@@ -40,27 +40,81 @@ const CANDIDATES: [f64; 2] = [256.0, 4096.0];
 /// Rows times squared states up to which the smoother, which keeps that many numbers, is drawn.
 const SMOOTHED: usize = 20_000_000;
 
+/// A finished study and how its cost is computed again.
+#[derive(Clone, Copy)]
+pub(super) struct Study<'a> {
+    pub(super) logs: Logs<'a>,
+    pub(super) outcome: &'a Outcome,
+    pub(super) winner: &'a Winner,
+    pub(super) options: CpuOptions,
+}
+
+/// What the pictures of a study are of.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Logs<'a> {
+    /// What was tuned on: the cost.
+    pub(super) train: &'a Log,
+    /// What the tuned filter is shown on.
+    pub(super) run: &'a Log,
+}
+
 type Pictures = Vec<(&'static str, Figure)>;
 
 /// The pictures of a finished study, into a folder of the output folder.
 pub(super) fn write_tuning(
     folder: &OutFolder,
-    (problem, log): (&Problem, &Log),
-    outcome: &Outcome,
-    winner: &Winner,
+    problem: &Problem,
+    study: &Study<'_>,
     whiteness: &[Whiteness],
-    options: CpuOptions,
 ) -> anyhow::Result<()> {
+    let Study { logs, outcome, winner, options } = *study;
     let mut pictures = vec![("convergence.svg", convergence(problem, &outcome.history))];
-    let mut evaluator = CpuEvaluator::new(problem, log, CpuOptions { precision: Precision::F64, ..options })?;
+    let mut evaluator = CpuEvaluator::new(problem, logs.train, CpuOptions { precision: Precision::F64, ..options })?;
     let [least, most] = CANDIDATES;
-    let evaluations = (LANDSCAPE / log.rows().max(1) as f64).clamp(least, most) as usize;
+    let evaluations = (LANDSCAPE / logs.train.rows().max(1) as f64).clamp(least, most) as usize;
     let baseline = &outcome.baseline.candidate;
     let around = landscape(problem, &winner.candidate, baseline, evaluations, &mut evaluator);
     pictures.push(("landscape.svg", around));
     pictures.extend(of_front(problem, outcome));
-    pictures.extend(of_run(problem, log, &winner.candidate, whiteness)?);
+    pictures.extend(of_run(problem, logs.run, &winner.candidate, whiteness)?);
     write(&folder.path().join(FOLDER), &pictures)
+}
+
+/// Removes the pictures of an earlier study.
+pub(super) fn clear(folder: &OutFolder) -> anyhow::Result<()> {
+    let figures = folder.path().join(FOLDER);
+    for name in NAMES {
+        folder.remove(&format!("{FOLDER}/{name}"))?;
+    }
+    // It stays where the user keeps something in it, and need not be there at all.
+    let _ = std::fs::remove_dir(figures);
+    Ok(())
+}
+
+/// The pictures that stand in the folder of a study, in their order.
+pub(super) fn drawn(folder: &OutFolder) -> Vec<Picture> {
+    let there = NAMES.iter().filter(|name| folder.path().join(FOLDER).join(name).is_file());
+    there.map(|name| Picture { path: format!("{FOLDER}/{name}"), caption: caption(name).to_owned() }).collect()
+}
+
+/// What a picture shows, for somebody who has not seen the tool.
+fn caption(name: &str) -> &'static str {
+    match name {
+        "front.svg" => "The front: what each member offers, with the start values, the knee and the ends marked.",
+        "parameters.svg" => "Parameters of the front's members, a line each.",
+        "hypervolume.svg" => "The search: the volume that its front dominates.",
+        "errors.svg" => "Errors of the estimates against the truth, with the 3-sigma band of the filter.",
+        "convergence.svg" => "The search: the best cost so far and the spread of each generation.",
+        "landscape.svg" => "The cost around the tuned parameters, with the start values marked.",
+        "estimates.svg" => "Measurements and the tuned filter's estimates with their 3-sigma band.",
+        "innovations.svg" => "Innovations with the band that the filter expects them in.",
+        "nis.svg" => "NIS of each measured row with its 95 % band.",
+        "autocorrelation.svg" => {
+            "Autocorrelation of the innovations: inside its band when nothing is left to learn from them."
+        }
+        "histogram.svg" => "Normalised innovations against the normal distribution that they should have.",
+        _ => "A picture of the study.",
+    }
 }
 
 /// The pictures of a filter run, into a folder of their own.

@@ -6,35 +6,81 @@ use serde::Serialize;
 
 use super::files::OutFolder;
 use super::load::Origin;
-use super::paths;
+use super::{paths, pictures};
 use crate::model::Problem;
+use crate::report::{Nothing, Tuning, markdown, markdown_without_winner, write_front};
 use crate::study::Generation;
 
-/// result.json and history.csv.
-pub(super) fn write(folder: &OutFolder, result: &impl Serialize, history: &[Generation]) -> anyhow::Result<()> {
+/// By which a folder is known to be that of a finished run.
+pub(super) const RESULT: &str = "result.json";
+/// All others, but for pictures and the checkpoint.
+const OTHERS: [&str; 4] = ["report.md", "tuned.toml", "history.csv", "front.csv"];
+
+/// Every file of a study with a winner.
+pub(super) fn write(
+    folder: &OutFolder,
+    (problem, origin): (&Problem, &Origin),
+    tuning: &Tuning,
+    study: &pictures::Study<'_>,
+) -> anyhow::Result<()> {
+    clear(folder)?;
+    write_history(folder, &study.outcome.history)?;
+    if let Some(points) = &tuning.front {
+        folder.write("front.csv", |out| Ok(write_front(points, out)?))?;
+    }
+    write_problem(folder, problem, &study.winner.candidate, origin)?;
+    pictures::write_tuning(folder, problem, study, &tuning.consistency.whiteness)?;
+    write_text(folder, "report.md", &markdown(tuning, &pictures::drawn(folder)))?;
+    write_result(folder, tuning)
+}
+
+/// Every file of a study without one.
+pub(super) fn write_nothing(
+    folder: &OutFolder,
+    nothing: &Nothing,
+    history: &[Generation],
+    why: &str,
+) -> anyhow::Result<()> {
+    clear(folder)?;
+    write_history(folder, history)?;
+    write_text(folder, "report.md", &markdown_without_winner(nothing, why))?;
+    write_result(folder, nothing)
+}
+
+/// Removes what an earlier run left, so that no file of it stands beside those of this one. The result goes first and is
+/// written last: a folder that has one is whole.
+fn clear(folder: &OutFolder) -> anyhow::Result<()> {
+    folder.remove(RESULT)?;
+    OTHERS.iter().try_for_each(|name| folder.remove(name))?;
+    pictures::clear(folder)
+}
+
+fn write_history(folder: &OutFolder, history: &[Generation]) -> anyhow::Result<()> {
     folder.write("history.csv", |out| {
         let mut table = csv::Writer::from_writer(out);
         history.iter().try_for_each(|row| table.serialize(row))?;
         Ok(table.flush()?)
-    })?;
-    folder.write("result.json", |out| {
+    })
+}
+
+fn write_result(folder: &OutFolder, result: &impl Serialize) -> anyhow::Result<()> {
+    folder.write(RESULT, |out| {
         serde_json::to_writer(&mut *out, result)?;
         Ok(out.write_all(b"\n")?)
     })
 }
 
+fn write_text(folder: &OutFolder, name: &str, text: &str) -> anyhow::Result<()> {
+    folder.write(name, |out| Ok(out.write_all(text.as_bytes())?))
+}
+
 /// tuned.toml, which finds its log from the folder.
-pub(super) fn write_problem(
-    folder: &OutFolder,
-    problem: &Problem,
-    winner: &[f64],
-    origin: &Origin,
-) -> anyhow::Result<()> {
+fn write_problem(folder: &OutFolder, problem: &Problem, winner: &[f64], origin: &Origin) -> anyhow::Result<()> {
     let file = match origin {
         Origin::Stdin | Origin::Simulated => None,
         Origin::File(path) => Some(paths::seen_from(folder.path(), path)),
         Origin::BuiltIn(name, content) => {
-            folder.write(name, |out| Ok(out.write_all(content.as_bytes())?))?;
+            write_text(folder, name, content)?;
             Some(Path::new(name).to_path_buf())
         }
     };
@@ -42,5 +88,5 @@ pub(super) fn write_problem(
         Some(file) => problem.tuned_with_file(winner, &file.display().to_string()),
         None => problem.tuned(winner),
     };
-    folder.write("tuned.toml", |out| Ok(out.write_all(text.as_bytes())?))
+    write_text(folder, "tuned.toml", &text)
 }

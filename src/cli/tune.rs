@@ -2,23 +2,24 @@
 
 use std::path::PathBuf;
 
-use anyhow::{anyhow, bail};
+use anyhow::anyhow;
 use clap::Args;
 
 use super::checkpoint::{self, Keeper, Resumed};
 use super::console::{self, Console};
 use super::evaluator::Chosen;
 use super::files::{self, OutFolder};
-use super::load::{self, Loaded, Origin};
+use super::held_out::{self, Trust};
+use super::load::{self, Loaded};
 use super::options::Compute;
 use super::overrides::{self, Override};
 use super::progress::Progress;
 use super::{Ending, interrupt, pictures, results};
-use crate::data::{Log, Split};
+use crate::data::Log;
 use crate::evaluate::{CpuEvaluator, CpuOptions, Evaluator, Precision};
 use crate::model::{Problem, TuneSpec};
 use crate::reference;
-use crate::report::{Effort, LogFacts, Tuning, unmet, write_front};
+use crate::report::{Effort, LogFacts, Tuning, unmet};
 use crate::study::{self, CheckpointFile, Judge, Observer, Outcome, StopReason, Study};
 
 /// Search the parameters of a filter on a log, and report how much better the best found is.
@@ -63,9 +64,9 @@ pub(super) struct Tune {
     #[command(flatten)]
     compute: Compute,
 
-    /// Folder for result.json, tuned.toml (a problem file ready to run), history.csv, checkpoint.kfgpu and figures/ (SVG
-    /// pictures of the search and of the tuned filter) (default: none is written); it is made if need be, and tried before
-    /// the search starts so that no result is lost.
+    /// Folder for result.json, report.md, tuned.toml (a problem file ready to run), history.csv, checkpoint.kfgpu and
+    /// figures/ (pictures of the search and of the tuned filter as SVG) (default: none is written); it is made if need be,
+    /// and tried before the search starts so that no result is lost.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
@@ -129,56 +130,6 @@ struct Search {
     no_start: bool,
 }
 
-/// What the result is judged on.
-#[derive(Debug, Args)]
-struct Trust {
-    /// Share of the log to hold out, above 0 and below 1: the search never sees it, and the result is scored on it
-    /// (default: the file's `data.validate`, or none). Several trajectories are held out whole, of one the last rows are,
-    /// and of a simulated log fresh realisations; `data.validate = { share = 0.3, by = "time" }` chooses.
-    #[arg(long, value_name = "SHARE", conflicts_with = "no_validate")]
-    validate: Option<f64>,
-
-    /// Hold nothing out, whatever the file's `data.validate` says (default: as the file says), to tune on every row.
-    #[arg(long)]
-    no_validate: bool,
-
-    /// Realisations of a simulated log that every candidate is scored on, pooled, so that nothing is tuned to one draw of
-    /// the noise (default: the file's `simulate.trajectories`).
-    #[arg(long, value_name = "R")]
-    realisations: Option<i64>,
-}
-
-impl Trust {
-    fn overrides(&self, problem: &Problem) -> impl Iterator<Item = Override> {
-        let by = problem.data.validate.and_then(|spec| spec.by);
-        let validate = self.validate.map(|share| Override::validate(share, by));
-        let none = self.no_validate.then(|| Override::switch("--no-validate", &["data", "validate"], false));
-        let realisations = self.realisations.map(|r| Override::new("--realisations", &["simulate", "trajectories"], r));
-        validate.into_iter().chain(none).chain(realisations)
-    }
-
-    /// Refuses realisations of a log that is not drawn.
-    fn check(&self, problem: &Problem, data: Option<&str>) -> anyhow::Result<()> {
-        let file = data.or(problem.data.file.as_deref());
-        if let (Some(_), Some(file)) = (self.realisations, file) {
-            bail!("--realisations: the log is read from {file}, and only one drawn from [simulate] has realisations");
-        }
-        Ok(())
-    }
-
-    /// Parts the log; an error of `--validate` names the flag.
-    fn split(&self, problem: &Problem, log: Log) -> anyhow::Result<Split> {
-        Split::of(problem, log).map_err(|error| match self.validate {
-            Some(share) => anyhow!("--validate {share}: {}", error.cause),
-            None => error.into(),
-        })
-    }
-}
-
-/// What is said of a log drawn once.
-const SINGLE_REALISATION: &str = "the log is a single simulated realisation, so what is tuned fits one draw of the noise \
-                                  (give --realisations 20, or `trajectories` in [simulate])";
-
 impl Tune {
     pub(super) fn run(&self, console: Console) -> anyhow::Result<Ending> {
         let resumed = self.resume.as_deref().map(Resumed::open).transpose()?;
@@ -186,7 +137,7 @@ impl Tune {
         let facts = LogFacts::of(&log);
         let split = self.trust.split(&problem, log)?;
         resumed.as_ref().map(|resumed| resumed.check(&problem, &split.train)).transpose()?;
-        let doubts = doubts(&problem, &split, &origin);
+        let doubts = held_out::doubts(&problem, &split, &origin);
         doubts.iter().for_each(|doubt| console.warn(doubt));
         let folder = self.out.as_deref().or_else(|| resumed.as_ref()?.folder());
         let folder = folder.map(OutFolder::prepare).transpose()?;
@@ -202,26 +153,28 @@ impl Tune {
         let Some(winner) = &outcome.winner else { return self.report_nothing(effort, &outcome, folder.as_ref()) };
         let tuning = Tuning::of(effort, &problem, &split, (&outcome, winner))?;
         if let Some(folder) = &folder {
-            results::write(folder, &tuning, &outcome.history)?;
-            if let Some(points) = &tuning.front {
-                folder.write("front.csv", |out| Ok(write_front(points, out)?))?;
-            }
-            results::write_problem(folder, &problem, &winner.candidate, &origin)?;
-            let whiteness = &tuning.consistency.whiteness;
-            pictures::write_tuning(folder, (&problem, &split.train), &outcome, winner, whiteness, self.compute.cpu())?;
+            let logs = pictures::Logs { train: &split.train, run: held_out::judged_log(&split, &tuning) };
+            let pictures = pictures::Study { logs, outcome: &outcome, winner, options: self.compute.cpu() };
+            results::write(folder, (&problem, &origin), &tuning, &pictures)?;
         }
+        self.show(&tuning, &tuning.effort.warnings[said..], console)?;
+        let feasible = unmet(&tuning.constraints).map(|sentence| console::error(&anyhow!(sentence))).is_none();
+        Ok(match outcome.stop {
+            StopReason::Interrupted => Ending::Interrupted,
+            _ if feasible => Ending::Done,
+            _ => Ending::NotUsable,
+        })
+    }
+
+    /// The result on stdout, and what has not been said of it yet.
+    fn show(&self, tuning: &Tuning, unsaid: &[String], console: Console) -> anyhow::Result<()> {
         if self.json {
-            files::print_json(&tuning)?;
+            files::print_json(tuning)?;
         } else {
             files::print(&tuning.to_string())?;
         }
-        tuning.effort.warnings[said..].iter().for_each(|warning| console.warn(warning));
-        let interrupted = outcome.stop == StopReason::Interrupted;
-        if let Some(sentence) = unmet(&tuning.constraints) {
-            console::error(&anyhow!(sentence));
-            return Ok(if interrupted { Ending::Interrupted } else { Ending::NotUsable });
-        }
-        Ok(if interrupted { Ending::Interrupted } else { Ending::Done })
+        unsaid.iter().for_each(|warning| console.warn(warning));
+        Ok(())
     }
 
     /// The problem with its flags, and its log; those of the checkpoint where no others are given.
@@ -263,7 +216,7 @@ impl Tune {
         let study = Study::of(problem);
         let outcome = match resumed.map(Resumed::snapshot) {
             Some(from) => {
-                evaluator.say_if_not(&from.device);
+                evaluator.say_if_moved(&from.device);
                 study::resume(&study, from, &mut evaluator, judge, &mut observers, &interrupt)?
             }
             None => study::run(&study, &mut evaluator, judge, &mut observers, &interrupt)?,
@@ -275,15 +228,16 @@ impl Tune {
     fn report_nothing(&self, effort: Effort, outcome: &Outcome, folder: Option<&OutFolder>) -> anyhow::Result<Ending> {
         let interrupted = outcome.stop == StopReason::Interrupted;
         let nothing = effort.without_winner();
+        let why = why_nothing(outcome);
         if let Some(folder) = folder {
-            results::write(folder, &nothing, &outcome.history)?;
+            results::write_nothing(folder, &nothing, &outcome.history, &why)?;
         }
         if self.json {
             files::print_json(&nothing)?;
         } else {
             files::print(&nothing.effort.to_string())?;
         }
-        console::error(&anyhow!("no usable candidate: {}", why_nothing(outcome)));
+        console::error(&anyhow!("no usable candidate: {why}"));
         Ok(if interrupted { Ending::Interrupted } else { Ending::NotUsable })
     }
 
@@ -314,12 +268,6 @@ impl Tune {
         .chain(self.trust.overrides(problem))
         .collect()
     }
-}
-
-/// What the user should know about what is tuned on, in sentences.
-fn doubts(problem: &Problem, split: &Split, origin: &Origin) -> Vec<String> {
-    let single = *origin == Origin::Simulated && split.train.trajectories.len() == 1;
-    single.then(|| SINGLE_REALISATION.to_owned()).into_iter().chain(split.warnings(problem)).collect()
 }
 
 /// Candidates of a whole study, if nothing ends it early.

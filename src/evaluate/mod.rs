@@ -276,3 +276,25 @@ pub trait Evaluator {
     /// Where it computes.
     fn device(&self) -> Device;
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn penalised_costs_have_the_order_of_violation_then_cost() {
+        let costs = vec![-1e9, 5.0, 3.0, 1e12, 0.0, 7.0];
+        let mut status = vec![Status::OK; 6];
+        status[5] = Status::NOT_POSITIVE;
+        let evaluation = Evaluation::new(1, costs, status);
+        assert!(matches!(evaluation.penalised(), Cow::Borrowed(_)), "without constraints nothing changes");
+        let evaluation = evaluation.with_violation(vec![1e-12, 0.0, 0.0, 0.5, f64::NAN, 0.0]);
+        let penalised = evaluation.penalised();
+        let mut order: Vec<usize> = (0..6).collect();
+        order.sort_by(|a, b| penalised.costs(*a)[0].total_cmp(&penalised.costs(*b)[0]));
+        assert_eq!(order, [2, 1, 0, 3, 4, 5], "{penalised:?}");
+        assert_eq!((penalised.costs(1), penalised.violation(3)), (&[5.0][..], 0.5));
+        let several = Evaluation::new(2, vec![1.0; 4], vec![Status::OK; 2]).with_violation(vec![1.0, 0.0]);
+        assert!(matches!(several.penalised(), Cow::Borrowed(_)), "methods for fronts look at the violation");
+    }
+}

@@ -1,6 +1,6 @@
 //! What has to be carried from row to row, and what does not.
 //!
-//! Entries of x and P that always have one value (structural zeros above all), or always equal each other (the axes of a
+//! Entries of x, P and what an adaptive filter carries that always have one value (structural zeros above all), or always equal each other (the axes of a
 //! model with shared noise), are found by partition refinement: entries start in one class if their initial values are one
 //! node; a step is traced with one leaf a class; entries of a class whose next values differ are parted, until none do.
 //! The last trace is the filter. A 3-D constant-velocity filter falls apart into three 2-state filters by this alone.
@@ -9,7 +9,7 @@ use super::tracer::narrow;
 use crate::tape::{Graph, Id, Leaf, Node};
 use std::collections::HashMap;
 
-/// A partition of the entries of (x, P) into classes that are carried as one value.
+/// A partition of the entries of (x, P, what is adapted) into classes that are carried as one value.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Partition {
     /// Class of each entry.
@@ -19,11 +19,12 @@ pub(super) struct Partition {
 }
 
 impl Partition {
-    /// The coarsest partition: entries with the same initial node.
-    pub(super) fn by_initial(g: &Graph, initial: &[Id]) -> Self {
+    /// The coarsest partition: entries with the same initial node; the last `apart` are classes of their own from the start.
+    pub(super) fn by_initial(g: &Graph, initial: &[Id], apart: usize) -> Self {
         let mut class: HashMap<Id, usize> = HashMap::new();
         let mut partition = Self { of: vec![], constant: vec![] };
-        for id in initial {
+        let (alike, apart) = initial.split_at(initial.len().saturating_sub(apart));
+        for id in alike {
             let next = class.len();
             let c = *class.entry(*id).or_insert(next);
             if c == next {
@@ -33,6 +34,10 @@ impl Partition {
                 });
             }
             partition.of.push(c);
+        }
+        for _ in apart {
+            partition.of.push(partition.constant.len());
+            partition.constant.push(None);
         }
         partition
     }
@@ -88,7 +93,7 @@ impl Partition {
     }
 }
 
-/// Where the value of an entry of x or P is found.
+/// Where the value of an entry is found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Entry {
     /// It never changes.

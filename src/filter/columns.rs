@@ -40,6 +40,13 @@ impl<'a> Rows<'a> {
             .collect()
     }
 
+    /// For each trajectory the interval after its first used row \[s\]; 1 where it has no row.
+    pub(super) fn first_intervals(&self) -> Vec<f64> {
+        let mut intervals = vec![1.0; self.first.len()];
+        self.places().filter(|place| place.k == self.first[place.index]).for_each(|p| intervals[p.index] = p.dt());
+        intervals
+    }
+
     /// Every used row of every trajectory.
     pub(super) fn places(&self) -> impl Iterator<Item = Place<'_>> {
         let trajectories = self.log.trajectories.iter().zip(&self.first).enumerate();

@@ -68,11 +68,44 @@ impl Covariance {
         Symmetric::places(states.len()).map(name).collect()
     }
 
-    /// The time update F P F' + Q.
-    pub(super) fn propagate(&self, g: &mut Graph, F: &[Vec<Id>], Q: &Symmetric) -> Self {
+    /// The time update F P F' + Q, in the form of P.
+    pub(super) fn propagate(&self, g: &mut Graph, F: &[Vec<Id>], Q: &Self) -> Self {
         match self {
-            Self::Full(P) => Self::Full(P.propagate(g, F, Q)),
-            Self::Factored(factors) => Self::Factored(factors.propagate(g, F, Q)),
+            Self::Full(P) => {
+                let Q = Q.matrix(g);
+                Self::Full(P.propagate(g, F, &Q))
+            }
+            Self::Factored(factors) => {
+                let Q = Q.factors(g);
+                Self::Factored(factors.propagate(g, F, &Q))
+            }
+        }
+    }
+
+    fn matrix(&self, g: &mut Graph) -> Symmetric {
+        match self {
+            Self::Full(P) => P.clone(),
+            Self::Factored(factors) => factors.product(g),
+        }
+    }
+
+    fn factors(&self, g: &mut Graph) -> Factored {
+        match self {
+            Self::Full(P) => Factored::of(g, P),
+            Self::Factored(factors) => factors.clone(),
+        }
+    }
+
+    /// (1 - d) of itself and d of v v', 0 <= d <= 1. Factors stay factors: nothing is taken away.
+    pub(super) fn fade(&mut self, g: &mut Graph, d: Id, v: &[Id]) {
+        let one = g.constant(1.0);
+        let kept = g.sub(one, d);
+        match self {
+            Self::Full(P) => {
+                let part: Vec<Id> = v.iter().map(|v| g.mul(d, *v)).collect();
+                *P = Symmetric::from_fn(v.len(), |i, j| g.dot([(kept, P.at(i, j)), (part[i], v[j])]));
+            }
+            Self::Factored(factors) => factors.fade(g, kept, v.to_vec(), d),
         }
     }
 

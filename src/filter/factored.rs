@@ -155,18 +155,33 @@ impl Factored {
     }
 
     /// F P F' + Q.
-    pub(super) fn propagate(&self, g: &mut Graph, f: &[Vec<Id>], q: &Symmetric) -> Self {
+    pub(super) fn propagate(&self, g: &mut Graph, f: &[Vec<Id>], noise: &Self) -> Self {
         let n = self.d.len();
         let mut next = Self::zero(g, n);
         for k in 0..n {
             let column = f.iter().map(|row| g.dot((0..=k).map(|j| (row[j], self.u[j][k])))).collect();
             next.add(g, column, self.d[k]);
         }
-        let noise = Self::of(g, q);
         for k in 0..n {
             next.add(g, noise.u.iter().map(|row| row[k]).collect(), noise.d[k]);
         }
         next
+    }
+
+    /// U D U'.
+    pub(super) fn product(&self, g: &mut Graph) -> Symmetric {
+        Symmetric::from_fn(self.d.len(), |i, j| {
+            let scaled: Vec<Id> = (j..self.d.len()).map(|k| g.mul(self.u[j][k], self.d[k])).collect();
+            g.dot((j..self.d.len()).map(|k| self.u[i][k]).zip(scaled))
+        })
+    }
+
+    /// kept U D U' + weight x x', both factors >= 0.
+    pub(super) fn fade(&mut self, g: &mut Graph, kept: Id, x: Vec<Id>, weight: Id) {
+        for d in &mut self.d {
+            *d = g.mul(kept, *d);
+        }
+        self.add(g, x, weight);
     }
 
     /// U D U' + weight x x', weight >= 0: one rotation a row, from the last one up.

@@ -3,7 +3,7 @@
 use super::error::TraceError;
 use super::formula::{self, Scope};
 use super::tracer::Tracer;
-use crate::model::{Parameters, Search};
+use crate::model::{FilterKind, Parameters, Problem, Search};
 use crate::tape::{Calculator, Id, Leaf};
 use std::fmt::{self, Display, Formatter};
 
@@ -30,14 +30,17 @@ impl Form {
     /// to R loses as many as P0/R has, where nll per step is promised to 1e-5.
     pub const DIFFUSE: f64 = 1e3;
 
-    /// Double precision carries P; single precision does for a P0 up to [`Self::DIFFUSE`] times R, and factors beyond.
+    /// Double precision carries P; single precision does for a P0 up to [`Self::DIFFUSE`] times R, and factors beyond. It
+    /// carries factors too where Q is adapted: a step after a large correction is as diffuse as a start.
     pub(super) fn choose(tracer: &mut Tracer<'_>) -> Result<Self, TraceError> {
-        let is_diffuse = tracer.nominal.is_some() && diffuseness(tracer)? > Self::DIFFUSE;
-        Ok(if is_diffuse { Self::Factored } else { Self::Full })
+        let adapts_q = matches!(tracer.problem.filter, FilterKind::SageHusa { .. });
+        let needed = tracer.nominal.is_some() && (adapts_q || diffuseness(tracer)? > Self::DIFFUSE);
+        Ok(if needed { Self::Factored } else { Self::Full })
     }
 }
 
-/// The largest P0_ii, times the largest H_ji^2 (which brings it to the unit of the measurements), over the smallest R_jj.
+/// The largest P0_ii, times the largest H_ji^2 (which brings it to the unit of the measurements), over the smallest R_jj
+/// (or what an adaptive filter may make of it).
 ///
 /// Each over the whole log and over three candidates: every searched parameter at its lower bound, at its start, and at
 /// its upper bound (the range of the first population where there is no bound). That covers formulas that rise or fall in
@@ -48,11 +51,18 @@ pub(super) fn diffuseness(tracer: &mut Tracer<'_>) -> Result<f64, TraceError> {
         let (jacobian, _) = tracer.measurement_map(&candidate)?;
         let (initial, noise) = variances(tracer, &candidate);
         over_rows(tracer, &initial, |value| p0 = p0.max(value));
-        over_rows(tracer, &noise, |value| r = r.min(value));
+        let least = least_share(tracer.problem, &candidate);
+        over_rows(tracer, &noise, |value| r = r.min(least * value));
         let entries: Vec<Id> = jacobian.into_iter().flatten().collect();
         over_rows(tracer, &entries, |value| h = h.max(value * value));
     }
     Ok(p0 * h / r.max(0.0))
+}
+
+/// The share of the model's R down to which a candidate's filter may adapt it, where it has a floor.
+fn least_share(problem: &Problem, candidate: &[f64]) -> f64 {
+    let floor = problem.filter.settings().into_iter().find(|setting| setting.key == "floor");
+    floor.map_or(1.0, |setting| setting.value(&problem.parameters.resolve(candidate)))
 }
 
 /// The candidates that the rule looks at.

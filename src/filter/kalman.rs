@@ -12,7 +12,7 @@ use crate::tape::{Graph, Id};
 pub(super) struct Recursion {
     pub(super) F: Vec<Vec<Id>>,
     pub(super) H: Vec<Vec<Id>>,
-    pub(super) Q: Symmetric,
+    pub(super) Q: Covariance,
     pub(super) R: Symmetric,
     pub(super) drift: Vec<Id>,
     pub(super) z: Vec<Id>,
@@ -30,6 +30,8 @@ pub(super) struct Update {
     pub(super) pivots: Vec<Id>,
     /// Their normalised squares: their sum is the NIS over the present components.
     pub(super) nis: Vec<Id>,
+    /// What the update adds to x: K nu, n.
+    pub(super) correction: Vec<Id>,
 }
 
 impl Recursion {
@@ -56,7 +58,7 @@ impl Recursion {
             })
             .collect();
         let S_diagonal = (0..m).map(|i| P.variance(g, &self.H[i], self.R.at(i, i))).collect();
-        let mut update = Update { nu, S_diagonal, pivots: vec![], nis: vec![] };
+        let mut update = Update { nu, S_diagonal, pivots: vec![], nis: vec![], correction: vec![] };
         let (rows, D, gates) = if correlated { self.decorrelate(g, &update.nu) } else { self.diagonal(&update.nu) };
         let (mut dx, mut P) = (vec![zero; n], P.clone());
         for ((H, nu), (D, gate)) in rows.iter().zip(D.iter().zip(&gates)) {
@@ -72,6 +74,7 @@ impl Recursion {
             update.nis.push(g.mul(square, gain.inverse));
         }
         let x = x.iter().zip(&dx).map(|(x, dx)| g.add(*x, *dx)).collect();
+        update.correction = dx;
         (update, x, P)
     }
 

@@ -1,5 +1,6 @@
 //! Filters, traced: the recursion of a filter over a log becomes a [`Program`] of tapes.
 
+mod adaptive;
 mod carry;
 mod columns;
 mod covariance;

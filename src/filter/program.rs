@@ -12,7 +12,7 @@ use std::ops::Range;
 /// What becomes of a carried register.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
-    /// An entry of x or of the covariance: starts from the prologue, stays.
+    /// An entry of x, of the covariance or of what is adapted: starts from the prologue, stays.
     State,
     /// A running sum: starts at 0, is moved to an f64 total every [`Program::BLOCK`] rows.
     Sum,
@@ -73,7 +73,8 @@ pub struct Program {
     pub constraints: Vec<Constraint>,
     /// The nominal, in the deviation form.
     pub nominal: Option<Nominal>,
-    /// Entries of the predicted x, then of the predicted covariance: the upper triangle of P, or D with U above it.
+    /// Entries of the predicted x, then of the predicted covariance: the upper triangle of P, or D with U above it,
+    /// then of what an adaptive filter carries.
     pub entries: Vec<Entry>,
     pub(super) names: Vec<String>,
     pub(super) parameter_names: Vec<String>,

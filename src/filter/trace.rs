@@ -1,5 +1,6 @@
 //! From a problem and its log to a [`Program`].
 
+use super::adaptive::Memory;
 use super::carry::Partition;
 use super::columns::{Columns, Rows};
 use super::covariance::Covariance;
@@ -53,8 +54,10 @@ pub fn trace_as(
         let chosen = form.map_or_else(|| Form::choose(&mut tracer), Ok)?;
         form = Some(chosen);
         let (x, p) = tracer.start(chosen)?;
-        let initial: Vec<Id> = x.into_iter().chain(p.entries()).collect();
-        let current = partition.unwrap_or_else(|| Partition::by_initial(&tracer.g, &initial));
+        let memory = tracer.start_memory(chosen);
+        let initial: Vec<Id> = x.into_iter().chain(p.entries()).chain(memory.entries()).collect();
+        let buffered = Memory::buffered(&problem.filter, problem.model.measurements.len());
+        let current = partition.unwrap_or_else(|| Partition::by_initial(&tracer.g, &initial, buffered));
         let step = Step::trace(&mut tracer, chosen, &current, objectives)?;
         if let Some(refined) = current.refine(&tracer.g, &step.next) {
             partition = Some(refined);
@@ -76,7 +79,7 @@ fn check_columns(problem: &Problem, log: &Log) -> Result<(), TraceError> {
 /// One traced step, not yet scheduled.
 struct Step {
     form: Form,
-    /// Entries of x and of the covariance after the step.
+    /// Entries of x, of the covariance and of what is adapted, after the step.
     next: Vec<Id>,
     sums: Vec<(Role, Id)>,
     /// What a candidate fails without, unless a product watches over it.
@@ -91,12 +94,18 @@ impl Step {
         partition: &Partition,
         objectives: &[Objective],
     ) -> Result<Self, TraceError> {
-        let n = tracer.problem.model.states.len();
-        let recursion = tracer.recursion()?;
+        let model = &tracer.problem.model;
+        let n = model.states.len();
+        let mut recursion = tracer.recursion()?;
+        let law = tracer.law(&recursion.R);
         let entries = partition.nodes(&mut tracer.g);
-        let p = Covariance::from_entries(&mut tracer.g, form, n, &entries[n..]);
-        let (update, x, p) = recursion.update(&mut tracer.g, &entries[..n], &p);
-        let (mut sums, mut positive) = (Vec::new(), update.pivots.clone());
+        let (entries, memory) = entries.split_at(n + n * (n + 1) / 2);
+        let memory = Memory::from_entries(&mut tracer.g, (form, &tracer.problem.filter), model, memory);
+        memory.adopt(&mut tracer.g, &mut recursion);
+        let prior = Covariance::from_entries(&mut tracer.g, form, n, &entries[n..]);
+        let (update, x, p) = recursion.update(&mut tracer.g, &entries[..n], &prior);
+        let mut sums = Vec::new();
+        let mut positive = [&update.pivots[..], &law.in_range].concat();
         let mut scoring = Scoring {
             g: &mut tracer.g,
             columns: tracer.columns,
@@ -114,8 +123,10 @@ impl Step {
             let factor = tracer.g.unary(Unary::Positive, *value);
             !sums.contains(&(Role::Product, factor))
         });
+        let memory = memory.adapt(&mut tracer.g, &law, &recursion, (&prior, &update));
+        memory.adopt(&mut tracer.g, &mut recursion);
         let (x, p) = recursion.predict(&mut tracer.g, &x, &p);
-        let next = x.into_iter().chain(p.entries()).collect();
+        let next = x.into_iter().chain(p.entries()).chain(memory.entries()).collect();
         Ok(Self { form, next, sums, positive, traced })
     }
 
@@ -172,7 +183,8 @@ impl Step {
     fn carried(&self, problem: &Problem, representatives: &[usize]) -> Vec<Carried> {
         let states = &problem.model.states;
         let x = states.iter().map(|s| format!("x.{s}"));
-        let names: Vec<String> = x.chain(Covariance::names(self.form, states)).collect();
+        let memory = Memory::names(self.form, &problem.filter, &problem.model);
+        let names: Vec<String> = x.chain(Covariance::names(self.form, states)).chain(memory).collect();
         let mut carried: Vec<Carried> =
             representatives.iter().map(|e| Carried { name: names[*e].clone(), role: Role::State }).collect();
         for (i, (role, _)) in self.sums.iter().enumerate() {
@@ -254,7 +266,7 @@ fn prologue(
 }
 
 /// What [`Leaf::Start`] stands for in trajectory `t`: the n states taken from the first measurement (where x0 asks for it),
-/// then the n states of the nominal at the first row (where there is one).
+/// then the n states of the nominal at the first row (where there is one), then the interval after that row.
 fn start_values(tracer: &mut Tracer<'_>, t: usize, row: usize) -> Result<Vec<f64>, TraceError> {
     let n = tracer.problem.model.states.len();
     let mut values = vec![f64::NAN; n];
@@ -263,7 +275,9 @@ fn start_values(tracer: &mut Tracer<'_>, t: usize, row: usize) -> Result<Vec<f64
     }
     if let Some(nominal) = tracer.nominal {
         values.extend(nominal.states[row * n..].iter().take(n));
+        values.resize(2 * n, f64::NAN);
     }
+    values.push(tracer.rows.first_intervals()[t]);
     Ok(values)
 }
 

@@ -59,7 +59,7 @@ impl Tracer<'_> {
         }
         let parameters = formula::parameters(&mut self.g, &self.problem.parameters, None);
         let scope = Scope { states: &[], parameters: &parameters, inputs: &inputs, dt };
-        let (Q, R) = (self.covariance(&model.q, scope), self.covariance(&model.r, scope));
+        let (Q, R) = (Covariance::Full(self.covariance(&model.q, scope)), self.covariance(&model.r, scope));
         Ok(Recursion { F: f.jacobian, H: h.jacobian, Q, R, drift, z: innovations, present })
     }
 
@@ -81,7 +81,7 @@ impl Tracer<'_> {
     }
 
     /// The node of a value for every used row.
-    fn column(&mut self, value: impl Fn(Place<'_>) -> f64) -> Id {
+    pub(super) fn column(&mut self, value: impl Fn(Place<'_>) -> f64) -> Id {
         self.columns.node(&mut self.g, self.rows.places().map(value).collect())
     }
 
@@ -92,7 +92,7 @@ impl Tracer<'_> {
         let f = self.affine(&model.f, None, &[], dt, ("f", &model.states))?;
         let parameters = formula::parameters(&mut self.g, &self.problem.parameters, None);
         let scope = Scope { states: &[], parameters: &parameters, inputs: &[], dt };
-        let Q = self.covariance(&model.q, scope);
+        let Q = Covariance::Full(self.covariance(&model.q, scope));
         let R = Symmetric::from_fn(0, |_, _| dt);
         Ok(Recursion { F: f.jacobian, H: vec![], Q, R, drift: f.offset, z: vec![], present: vec![] })
     }

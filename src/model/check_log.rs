@@ -38,7 +38,10 @@ impl Problem {
             Start::Measurement => &[],
         };
         let mut used = vec![false; self.parameters.all.len()];
-        for formula in [&model.f[..], &model.h, &model.q, &model.r, &model.p0, x0].into_iter().flatten() {
+        let settings = self.filter.settings();
+        let settings = settings.iter().map(|setting| setting.formula);
+        let formulas = [&model.f[..], &model.h, &model.q, &model.r, &model.p0, x0].into_iter().flatten();
+        for formula in formulas.chain(settings) {
             formula.symbols(&mut |symbol| {
                 if let Symbol::Parameter(i) = symbol {
                     used[i] = true;
@@ -73,6 +76,12 @@ impl Problem {
         } else if irregular && !self.model.q.iter().all(super::Expr::is_zero) {
             warnings.push(format!(
                 "the intervals of {} differ, and Q has no dt in it: every step gets the same process noise",
+                log.source
+            ));
+        }
+        if irregular && matches!(self.filter, super::FilterKind::SageHusa { .. }) {
+            warnings.push(format!(
+                "the intervals of {} differ, and the sage-husa filter adapts one Q that serves every step, long or short",
                 log.source
             ));
         }

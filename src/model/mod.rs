@@ -5,6 +5,7 @@ mod definite;
 mod draft;
 mod error;
 mod expr;
+mod filter;
 mod formula;
 mod library;
 mod linear;
@@ -16,11 +17,10 @@ mod tuned;
 pub use draft::{Draft, draft};
 pub use error::{Cause, Place, ProblemError};
 pub use expr::{Binary, Expr, ExprKind, Function, Span, Symbol};
+pub use filter::{FilterKind, Range, Setting};
 pub use library::built_in_models;
 pub use parameter::{Parameter, Parameters, Scale, Search, Value};
-pub use problem::{
-    DataSpec, FilterKind, First, Model, Pick, Problem, SimulateSpec, SplitBy, Start, TuneSpec, ValidateSpec,
-};
+pub use problem::{DataSpec, First, Model, Pick, Problem, SimulateSpec, SplitBy, Start, TuneSpec, ValidateSpec};
 
 #[cfg(test)]
 mod tests;

@@ -1,6 +1,6 @@
 //! A problem: data, model, parameters, filter, and how to tune.
 
-use super::{Expr, Parameters, Span};
+use super::{Expr, FilterKind, Parameters, Span};
 use crate::objective::{Constraint, Objective};
 
 /// A whole problem file, checked: names resolved, dimensions consistent, formulas linear where the filter needs it.
@@ -110,13 +110,6 @@ pub enum First {
         /// `first_dt` in seconds.
         dt: Option<f64>,
     },
-}
-
-/// Filter kinds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FilterKind {
-    /// The linear Kalman filter (affine f and h).
-    Kalman,
 }
 
 /// The `[tune]` table, with defaults filled in.

@@ -1,8 +1,9 @@
 //! Objectives at the edges of their definitions, lanes against the reference.
 
 use crate::data::{Log, Table, Trajectory};
-use crate::evaluate::{CpuEvaluator, CpuOptions, Evaluation, Evaluator, Population, Status};
+use crate::evaluate::{CpuEvaluator, CpuOptions, Evaluation, Evaluator, Population, Precision, Status};
 use crate::model::Problem;
+use crate::objective::Constraint;
 use crate::reference;
 
 const NAN: f64 = f64::NAN;
@@ -87,4 +88,51 @@ fn mismatch_leaves_out_trajectories_without_measurements() {
         let problem = problem(&format!("[{{ name = \"mismatch\"{options} }}]"));
         assert_equal(&problem, &log(&[&empty, &rows, &rows[..1], &rows[1..], &empty]), [0.5, 0.5]);
     }
+}
+
+/// By what lanes trace, in both precisions, against the reference: the violation of a candidate, and its cost.
+#[test]
+fn a_mean_is_what_its_distance_from_one_is_taken_of() {
+    let log = log(&[&[[1.0, 2.0, 0.5, 1.5], [NAN, 1.0, 0.5, 1.5], [3.0, 1.5, 0.6, 1.2]]]);
+    let plain = problem("[\"nll\", \"nis\", \"nees\"]");
+    // 0 as limit makes a violation the value itself.
+    for (constraints, of) in [("nis_mean <= 0", 1), ("nees_mean <= 0", 2)] {
+        let bounded = problem(&format!("[\"nll\", \"nis\", \"nees\"]\nconstraints = [\"{constraints}\"]"));
+        for candidate in [[0.5, 0.5], [0.1, 0.9], [1.0, 0.1]] {
+            let (found, without) = (evaluate(&bounded, &log, candidate), evaluate(&plain, &log, candidate));
+            assert_eq!(found.costs(0), without.costs(0), "a constraint changes no bit of a cost");
+            let distance = (found.violation(0) - 1.0).abs();
+            assert!((distance - found.costs(0)[of]).abs() < 1e-12, "{constraints}: {distance}");
+            let scores = reference::scores(&bounded, &log, &candidate).unwrap();
+            assert_eq!(scores[..3], reference::costs(&bounded, &log, &candidate).unwrap());
+            assert!((scores[3] - found.violation(0)).abs() < 1e-12, "{constraints}: {scores:?}");
+        }
+    }
+}
+
+#[test]
+fn violations_are_those_of_the_reference() {
+    let log = log(&[&[[1.0, 2.0, 0.5, 1.5], [NAN, 1.0, 0.5, 1.5], [3.0, 1.5, 0.6, 1.2]]]);
+    let bounds = "[\"nis_mean <= 0.25\", { name = \"rmse\", states = [\"x\"], skip = 1, min = 2, max = 0.1 }]";
+    let problem = problem(&format!("[\"nll\"]\nconstraints = {bounds}"));
+    let population = Population::from_rows(2, vec![0.5, 0.5, 0.1, 0.9, 1.0, 0.1]);
+    for (precision, tolerance) in [(Precision::F64, 1e-12), (Precision::F32, 1e-5)] {
+        let options = CpuOptions { precision, ..CpuOptions::default() };
+        let found = CpuEvaluator::new(&problem, &log, options).unwrap().evaluate(&population);
+        for (i, candidate) in population.rows().enumerate() {
+            let scores = reference::scores(&problem, &log, candidate).unwrap();
+            let expected = Constraint::total_violation(&problem.tune.constraints, &scores[1..]);
+            let off = (found.violation(i) / expected - 1.0).abs();
+            assert!(expected > 0.0 && off < tolerance, "{precision}: {} of {expected}", found.violation(i));
+        }
+    }
+}
+
+/// NEES is no number where P is indefinite: the cost counts, and no bound on NEES is met.
+#[test]
+fn a_bound_on_what_has_no_value_is_not_met() {
+    let problem = problem("[\"nll\"]\nconstraints = [\"nees_mean <= 1e9\"]");
+    let log = log(&[&[[1.0, 2.0, 0.5, 1.5], [NAN, 1.0, 0.5, 1.5]]]);
+    let found = evaluate(&problem, &log, [0.5, -0.9]);
+    assert!(found.violation(0).is_infinite(), "{}", found.violation(0));
 }

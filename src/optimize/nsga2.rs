@@ -207,14 +207,13 @@ impl Nsga2 {
         let mut merged = Scores::new(self.settings.objectives);
         old.iter().for_each(|i| merged.push_from(&self.scores, *i));
         (0..costs.len()).for_each(|i| merged.push(costs.costs(i), costs.violation(i)));
-        let ranking = Ranking::of(&merged);
-        let kept = &ranking.order()[..self.x.len()];
+        let (kept, ranking) = Ranking::best(&merged, self.x.len());
         let (mut x, mut scores) = (Population::new(self.x.dimension()), Scores::new(self.settings.objectives));
-        for i in kept {
+        for i in &kept {
             x.push(if *i < old.len() { self.x.row(old[*i]) } else { offspring.row(*i - old.len()) });
             scores.push_from(&merged, *i);
         }
-        (self.x, self.scores, self.ranking) = (x, scores, ranking.select(kept));
+        (self.x, self.scores, self.ranking) = (x, scores, ranking);
     }
 }
 

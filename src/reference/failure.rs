@@ -32,9 +32,18 @@ pub enum Cause {
         "the measurement noise covariance R is not positive definite, which smoothing needs (give every measurement some noise)"
     )]
     SingularNoise,
+    /// The filter adapts its Q or R on the way, which smoothing would have to know row by row.
+    #[error("an adaptive filter changes Q or R on the way and cannot be smoothed (set `filter.kind` to \"kalman\")")]
+    Adaptive,
     /// `first = "predict"` has no interval to use.
     #[error("first = \"predict\" has no interval, because the log's intervals differ (give first_dt)")]
     NoFirstInterval,
+    /// A setting of an adaptive filter is outside its range for this candidate.
+    #[error("`filter.{key}` is outside its range for this candidate (check the bounds of its parameters)")]
+    Setting {
+        /// Its key.
+        key: &'static str,
+    },
     /// The log has other measurement or input columns than the model.
     #[error("the log's measurements and inputs are not the model's (check [data])")]
     WrongColumns,

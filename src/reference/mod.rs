@@ -4,10 +4,12 @@
 //! formulas are evaluated as they stand, F and H come from unit vectors, the update is joint with a Cholesky
 //! factor of S, and P takes the Joseph form. `docs/semantics.md` is its specification.
 
+mod adaptive;
 mod evaluate;
 mod failure;
 mod kalman;
 mod matrices;
+mod observation;
 mod run;
 mod score;
 mod smoother;

@@ -2,6 +2,7 @@
 
 use nalgebra::{Cholesky, DVector};
 
+use super::adaptive::Adaptation;
 use super::kalman::{Estimate, Kalman, Update};
 use super::matrices::Formulas;
 use super::score::Scorer;
@@ -157,7 +158,10 @@ fn scores_where(
 
 fn walk(problem: &Problem, log: &Log, candidate: &[f64], visit: &mut impl FnMut(Moment)) -> Result<(), Failure> {
     let model = &problem.model;
-    let formulas = Formulas::new(model, problem.parameters.resolve(candidate));
+    let parameters = problem.parameters.resolve(candidate);
+    let adaptation = Adaptation::new(&problem.filter, &parameters, model.measurements.len())
+        .map_err(|cause| Failure::at(log, 0, 0, cause))?;
+    let formulas = Formulas::new(model, parameters);
     if log.measurements.len() != formulas.m || log.inputs.len() != model.inputs.len() {
         return Err(Failure::at(log, 0, 0, Cause::WrongColumns));
     }
@@ -167,7 +171,7 @@ fn walk(problem: &Problem, log: &Log, candidate: &[f64], visit: &mut impl FnMut(
             Some(dt.or_else(|| log.regular_dt()).ok_or_else(|| Failure::at(log, 0, 0, Cause::NoFirstInterval))?)
         }
     };
-    let mut filter = Kalman::new(formulas);
+    let mut filter = Kalman::new(formulas, adaptation);
     for (index, trajectory) in log.trajectories.iter().enumerate() {
         let mut row = 0;
         walk_trajectory(&mut filter, trajectory, first_dt, &mut row, &mut |row, filter, updated| {
@@ -195,11 +199,11 @@ fn walk_trajectory(
     if filter.starts_from_measurement() {
         let Some(first) = (0..trajectory.len()).find(|&k| trajectory.is_complete(k)) else { return Ok(()) };
         *row = first;
-        filter.start_from(trajectory.z.row(first), trajectory.u.row(first))?;
+        filter.start_from(trajectory.z.row(first), trajectory.u.row(first), trajectory.dt(first))?;
         visit(first, filter, false);
         *row = first + 1;
     } else {
-        filter.start(first_dt)?;
+        filter.start(first_dt, trajectory.dt(0))?;
     }
     while *row < trajectory.len() {
         let k = *row;

@@ -22,7 +22,7 @@ use super::matrices::{Affine, Formulas};
 use super::run::visit;
 use super::{Cause, Failure};
 use crate::data::{Log, Trajectory};
-use crate::model::{FilterKind, Problem};
+use crate::model::Problem;
 
 /// The estimate of one row by all measurements of its trajectory.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,11 +39,14 @@ pub struct Smoothed {
 /// rows of [`super::Run::trajectories`]. It keeps n² + n numbers a row, and the updates while it runs.
 ///
 /// # Errors
-/// As [`super::run`]; also when R is singular.
+/// As [`super::run`]; also when R is singular, or the filter adapts Q or R: they are then not those of the formulas.
 ///
 /// # Panics
 /// If `candidate` does not have one value per searched parameter.
 pub fn smooth(problem: &Problem, log: &Log, candidate: &[f64]) -> Result<Vec<Vec<Smoothed>>, Failure> {
+    if problem.filter.is_adaptive() {
+        return Err(Failure::at(log, 0, 0, Cause::Adaptive));
+    }
     let mut passes: Vec<Vec<Pass>> = log.trajectories.iter().map(|_| Vec::new()).collect();
     visit(problem, log, candidate, &mut |trajectory, step| {
         let (time, estimate) = (step.time, step.posterior.clone());
@@ -75,10 +78,6 @@ struct Later {
 
 impl Later {
     fn new(problem: &Problem, candidate: &[f64]) -> Self {
-        // Q and R of the formulas are those that were filtered with.
-        match problem.filter {
-            FilterKind::Kalman => {}
-        }
         let mut formulas = Formulas::new(&problem.model, problem.parameters.resolve(candidate));
         let (n, m) = (formulas.n, formulas.m);
         let mut r = DMatrix::zeros(m, m);

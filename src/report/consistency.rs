@@ -1,11 +1,15 @@
-//! Whether a filter can be trusted: NIS, whiteness of the innovations, parameters at their bounds.
+//! Whether a filter can be trusted: NIS and its distribution, whiteness of the innovations, parameters at their bounds,
+//! and how well the log determines them.
 //!
 //! Bar-Shalom, Li and Kirubarajan (2001), *Estimation with Applications to Tracking and Navigation*, section 5.4.
 //! A mean NIS of 1 alone proves little: a search can reach it with a wrong model by inflating one noise against
 //! another, which is when the innovations are correlated and a parameter runs to its bound.
 
 mod band;
+mod curvature;
+mod distribution;
 mod evidence;
+mod uncertainty;
 mod verdict;
 mod whiteness;
 
@@ -18,7 +22,9 @@ use crate::model::Problem;
 use crate::reference::Run;
 use crate::report::short;
 
+pub use distribution::NisDistribution;
 pub use evidence::Evidence;
+pub use uncertainty::{FlatDirection, Uncertainty};
 pub use verdict::{Finding, Verdict};
 pub use whiteness::Whiteness;
 
@@ -39,10 +45,15 @@ pub struct Consistency {
     pub verdict: Verdict,
     /// Everything that holds, the headline first; never empty.
     pub findings: Vec<Finding>,
+    /// NIS of single rows; `None` without measurements.
+    pub nis_distribution: Option<NisDistribution>,
     /// One entry per measurement.
     pub whiteness: Vec<Whiteness>,
     /// NEES, where truth of all states is there.
     pub nees: Option<Nees>,
+    /// Standard errors and flat directions, for the winner of a study; else null.
+    #[serde(flatten)]
+    pub uncertainty: Uncertainty,
 }
 
 /// Normalised estimation error squared over a run. It informs and does not decide: state errors of neighbouring rows
@@ -90,6 +101,10 @@ impl fmt::Display for Consistency {
                 "  NEES  {nees_mean}  (95 % band of independent rows {nees_low:.3}..{nees_high:.3}, {rows} rows)"
             )?;
         }
+        if let Some(NisDistribution { above_95, above_95_low, above_95_high, .. }) = self.nis_distribution {
+            let [share, low, high] = [above_95, above_95_low, above_95_high].map(|share| 100.0 * share);
+            writeln!(f, "  tails {share:.1} % of rows above their 95 % quantile of NIS (band {low:.1}..{high:.1} %)")?;
+        }
         for w in &self.whiteness {
             let Whiteness { measurement, band, p_value, autocorrelation, .. } = w;
             if !w.is_tested() {
@@ -105,6 +120,6 @@ impl fmt::Display for Consistency {
         for finding in &self.findings {
             writeln!(f, "  {}: {}", finding.verdict, finding.advice)?;
         }
-        Ok(())
+        write!(f, "{}", self.uncertainty)
     }
 }

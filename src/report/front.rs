@@ -5,10 +5,11 @@ use std::io::Write;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::{Named, TextTable, exact, short, significant};
+use super::{ConstraintCheck, Named, TextTable, constraint_checks, exact, short, significant};
 use crate::data::HeldOut;
 use crate::model::{Pick, Problem};
 use crate::objective::Objective;
+use crate::optimize::pareto::dominates;
 use crate::reference;
 use crate::study::{FrontMember, Landmarks, Outcome};
 
@@ -45,6 +46,8 @@ pub struct FrontSummary {
     pub given_up: Named<Option<f64>>,
     /// Members at least as good as the baseline in every objective and better in one; `None` where the baseline fails.
     pub dominate_baseline: Option<usize>,
+    /// Whether the baseline meets every constraint.
+    pub baseline_feasible: bool,
     /// Volume that the search's front dominates.
     pub hypervolume: Option<f64>,
     /// The point it is measured from, which the first generation with a feasible member fixes.
@@ -106,13 +109,10 @@ fn summary(problem: &Problem, outcome: &Outcome, landmarks: &Landmarks, names: &
         given_up: Named::new(names.iter().copied(), recommended.iter().zip(&best).map(share)),
         best: named(best),
         dominate_baseline: outcome.baseline.objectives.as_ref().map(beats),
+        baseline_feasible: constraint_checks(problem, outcome).iter().all(ConstraintCheck::met_by_baseline),
         hypervolume: outcome.history.last().and_then(|row| row.hypervolume),
         reference_point: named(outcome.reference_point.clone()),
     })
-}
-
-fn dominates(a: &[f64], b: &[f64]) -> bool {
-    a.iter().zip(b).all(|(a, b)| a <= b) && a != b
 }
 
 /// The whole front as CSV: parameters, objectives, `held_out.` objectives where they are, and marks.
@@ -155,11 +155,13 @@ impl FrontSummary {
     /// How the front stands to the user's own candidate.
     fn baseline_line(&self, members: usize) -> String {
         match self.dominate_baseline {
+            _ if !self.baseline_feasible => "The baseline does not meet every constraint.".to_owned(),
             None => "The baseline fails, so it cannot be compared.".to_owned(),
-            Some(0) => "No member is better than the baseline in every objective.".to_owned(),
-            Some(better) => {
-                format!("{better} of {members} members are better than the baseline in every objective or equal.")
-            }
+            Some(0) => "No member dominates the baseline (is as good in every objective and better in one).".to_owned(),
+            Some(better) => format!(
+                "{better} of {members} {} the baseline (as good in every objective and better in one).",
+                if better == 1 { "dominates" } else { "dominate" },
+            ),
         }
     }
 
@@ -170,8 +172,9 @@ impl FrontSummary {
         let shown = representatives(points);
         let of = if shown.len() < points.len() { format!(", {} shown", shown.len()) } else { String::new() };
         format!(
-            "Front, in-sample, f64 ({} members{of}):\n{}\nRecommended: {line}.\n{}\n",
+            "Front, in-sample, f64 ({} {}{of}):\n{}\nRecommended: {line}.\n{}\n",
             points.len(),
+            if points.len() == 1 { "member" } else { "members" },
             table(points, &shown),
             self.baseline_line(points.len()),
         )
@@ -229,6 +232,7 @@ mod tests {
             best: Named::new(["nll", "rmse"], best),
             given_up: Named::new(["nll", "rmse"], given_up),
             dominate_baseline: Some(3),
+            baseline_feasible: true,
             hypervolume: None,
             reference_point: Named::default(),
         }

@@ -55,9 +55,9 @@ pub struct Matrices {
     pub F: Matrix,
     /// Measurement, m x n, inputs at zero.
     pub H: Matrix,
-    /// Process noise covariance of one step, n x n.
+    /// Process noise covariance of one step, n x n; where it is adapted, of the first.
     pub Q: Matrix,
-    /// Measurement noise covariance, m x m.
+    /// Measurement noise covariance, m x m; where it is adapted, of the first row.
     pub R: Matrix,
     /// Gain, n x m; `None` when no row has a complete measurement and the filter does not settle.
     pub K: Option<Matrix>,
@@ -82,7 +82,8 @@ impl Matrices {
         let regular = log.regular_dt();
         let dt = regular.or_else(|| Summary::of(log).dt.map(|dt| dt.median)).unwrap_or(1.0);
         let model = reference::Matrices::of(problem, candidate, dt);
-        let steady = regular.and_then(|dt| reference::steady_gain(problem, candidate, dt));
+        let steady = regular.filter(|_| !problem.filter.is_adaptive());
+        let steady = steady.and_then(|dt| reference::steady_gain(problem, candidate, dt));
         let gain = if steady.is_some() { Gain::Steady } else { Gain::Last };
         let k = steady.map(|Steady { k, .. }| k).or(last_gain);
         Self {

@@ -1,15 +1,19 @@
 //! Reports: what a study or a filter run found, for people (text), programs (JSON) and tables (CSV).
 
 mod bound;
+mod compare;
 mod consistency;
 mod constraint;
+mod effort;
 #[cfg(feature = "figures")]
 pub mod figures;
 mod front;
+mod markdown;
 mod matrices;
 mod named;
 mod number;
 mod raw;
+mod rmse;
 mod run_csv;
 mod table;
 mod text;
@@ -18,15 +22,21 @@ mod validation;
 mod warnings;
 
 pub use bound::Bound;
-pub use consistency::{Consistency, Evidence, Finding, Nees, Verdict, Whiteness};
+pub use compare::{CompareError, Comparison, Run, RunBaseline, RunConsistency, RunError, RunValidation};
+pub use consistency::{
+    Consistency, Evidence, Finding, FlatDirection, Nees, NisDistribution, Uncertainty, Verdict, Whiteness,
+};
 pub use constraint::{ConstraintCheck, constraint_checks, unmet};
+pub use effort::{Effort, LogFacts, Nothing, Scored};
 pub use front::{FrontPoint, FrontSummary, front, write_front};
+pub use markdown::{Picture, markdown, markdown_without_winner};
 pub use matrices::{Gain, Matrices, Matrix};
 pub use named::Named;
 pub use number::{count, exact, seconds, short, significant};
 pub use raw::raw_rmse;
-pub use run_csv::{Covariance, RunTable};
+pub use rmse::StateErrors;
+pub use run_csv::{Columns, Covariance, RunTable};
 pub use table::TextTable;
-pub use tuning::{Certificate, Effort, LogFacts, Nothing, Polish, Scored, Tuning};
+pub use tuning::{Certificate, Polish, Tuning};
 pub use validation::{Part, Rows, Validation};
 pub use warnings::Warning;

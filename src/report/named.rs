@@ -1,5 +1,9 @@
 //! Values by name, in order, written as a JSON object.
 
+use std::fmt;
+use std::marker::PhantomData;
+
+use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use serde::ser::{Serialize, SerializeMap as _, Serializer};
 
 /// (name, value) pairs in the order they were given; names are distinct.
@@ -46,6 +50,31 @@ impl<T: Serialize> Serialize for Named<T> {
     }
 }
 
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Named<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(Pairs(PhantomData))
+    }
+}
+
+/// Takes in a map in its order.
+struct Pairs<T>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de>> Visitor<'de> for Pairs<T> {
+    type Value = Named<T>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("an object of values by name")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Named<T>, A::Error> {
+        let mut pairs = Vec::new();
+        while let Some(pair) = map.next_entry()? {
+            pairs.push(pair);
+        }
+        Ok(Named(pairs))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -56,5 +85,7 @@ mod tests {
         assert_eq!(serde_json::to_string(&named).unwrap(), r#"{"r":2.0,"q":1.5}"#);
         assert_eq!(named.get("q"), Some(&1.5));
         assert_eq!(named.get("x"), None);
+        let read: Named<Option<f64>> = serde_json::from_str(r#"{"r":2.0,"a":null}"#).unwrap();
+        assert_eq!(read, Named::new(["r", "a"], [Some(2.0), None]));
     }
 }

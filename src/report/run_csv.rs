@@ -5,7 +5,7 @@ use std::io::Write;
 use super::number::exact;
 use crate::data::{Log, Trajectory};
 use crate::model::Problem;
-use crate::reference::Step;
+use crate::reference::{Estimate, Step};
 
 /// Which entries of the posterior covariance are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,8 +16,18 @@ pub enum Covariance {
     Diagonal,
 }
 
+/// What a [`RunTable`] has besides its fixed columns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Columns {
+    /// Entries of every covariance.
+    pub covariance: Covariance,
+    /// Whether smoothed states and covariances stand at the end.
+    pub smoothed: bool,
+}
+
 /// Writes trajectory (where the log has them), time \[s\], posterior states, covariance `P_a_b`, prior innovations
-/// `nu_z`, their variances `S_z`, and `nis`. A cell is empty where nothing was measured; numbers read back bit for bit.
+/// `nu_z`, their variances `S_z`, and `nis`; then smoothed states `x_smoothed` and covariance `P_a_b_smoothed`. A cell is
+/// empty where nothing was measured; numbers read back bit for bit.
 #[derive(Debug)]
 pub struct RunTable<'a, W: Write> {
     log: &'a Log,
@@ -25,6 +35,7 @@ pub struct RunTable<'a, W: Write> {
     named: bool,
     /// Entries of P, in order.
     entries: Vec<(usize, usize)>,
+    smoothed: bool,
     table: csv::Writer<W>,
 }
 
@@ -33,24 +44,32 @@ impl<'a, W: Write> RunTable<'a, W> {
     ///
     /// # Errors
     /// When `out` cannot be written.
-    pub fn new(problem: &Problem, log: &'a Log, covariance: Covariance, out: W) -> csv::Result<Self> {
+    pub fn new(problem: &Problem, log: &'a Log, columns: Columns, out: W) -> csv::Result<Self> {
         let named = log.trajectories.iter().any(|t| !t.id.is_empty());
-        let entries = entries(problem.model.states.len(), covariance);
+        let entries = entries(problem.model.states.len(), columns.covariance);
         let mut table = csv::Writer::from_writer(out);
-        table.write_record(header(problem, named, &entries))?;
-        Ok(Self { log, named, entries, table })
+        table.write_record(header(problem, named, &entries, columns.smoothed))?;
+        Ok(Self { log, named, entries, smoothed: columns.smoothed, table })
     }
 
-    /// Writes one row of trajectory number `trajectory`.
+    /// Writes one row of trajectory number `trajectory`, with its smoothed estimate where there are such columns.
     ///
     /// # Errors
     /// When `out` cannot be written.
     ///
     /// # Panics
     /// If the log has no such trajectory.
-    pub fn row(&mut self, trajectory: usize, step: &Step) -> csv::Result<()> {
+    pub fn row(&mut self, trajectory: usize, step: &Step, smoothed: Option<&Estimate>) -> csv::Result<()> {
         let trajectory = &self.log.trajectories[trajectory];
-        self.table.write_record(row(trajectory, self.named, step, &self.entries))
+        let mut cells = row(trajectory, self.named, step, &self.entries);
+        if self.smoothed {
+            let n = step.posterior.x.len();
+            match smoothed {
+                Some(smoothed) => cells.extend(estimate(smoothed, &self.entries)),
+                None => cells.resize(cells.len() + n + self.entries.len(), String::new()),
+            }
+        }
+        self.table.write_record(cells)
     }
 
     /// Writes what is still buffered.
@@ -67,7 +86,7 @@ fn entries(n: usize, covariance: Covariance) -> Vec<(usize, usize)> {
     (0..n).flat_map(|i| (i..last(i)).map(move |j| (i, j))).collect()
 }
 
-fn header(problem: &Problem, named: bool, entries: &[(usize, usize)]) -> Vec<String> {
+fn header(problem: &Problem, named: bool, entries: &[(usize, usize)], smoothed: bool) -> Vec<String> {
     let states = &problem.model.states;
     let mut header = Vec::new();
     header.extend(named.then(|| problem.data.trajectory.clone().unwrap_or_else(|| "trajectory".to_owned())));
@@ -77,7 +96,17 @@ fn header(problem: &Problem, named: bool, entries: &[(usize, usize)]) -> Vec<Str
     header.extend(problem.model.measurements.iter().map(|z| format!("nu_{z}")));
     header.extend(problem.model.measurements.iter().map(|z| format!("S_{z}")));
     header.push("nis".to_owned());
+    if smoothed {
+        header.extend(states.iter().map(|x| format!("{x}_smoothed")));
+        header.extend(entries.iter().map(|&(i, j)| format!("P_{}_{}_smoothed", states[i], states[j])));
+    }
     header
+}
+
+/// States, then entries of the covariance.
+fn estimate<'a>(estimate: &'a Estimate, entries: &'a [(usize, usize)]) -> impl Iterator<Item = String> + 'a {
+    let covariance = entries.iter().map(|&(i, j)| exact(estimate.p[(i, j)]));
+    estimate.x.iter().map(|x| exact(*x)).chain(covariance)
 }
 
 fn row(trajectory: &Trajectory, named: bool, step: &Step, entries: &[(usize, usize)]) -> Vec<String> {
@@ -85,8 +114,7 @@ fn row(trajectory: &Trajectory, named: bool, step: &Step, entries: &[(usize, usi
     let mut cells = Vec::with_capacity(3 + step.posterior.x.len() + entries.len() + 2 * m);
     cells.extend(named.then(|| trajectory.id.clone()));
     cells.push(exact(step.time));
-    cells.extend(step.posterior.x.iter().map(|x| exact(*x)));
-    cells.extend(entries.iter().map(|&(i, j)| exact(step.posterior.p[(i, j)])));
+    cells.extend(estimate(&step.posterior, entries));
     let mut innovations = vec![String::new(); m];
     let mut variances = vec![String::new(); m];
     if let Some(update) = &step.update {

@@ -15,7 +15,7 @@ impl TextTable {
         Self { rows: vec![header.map(str::to_owned).to_vec()] }
     }
 
-    /// A table of these rows, of which the first is the header.
+    /// A table of these rows, the header first.
     #[must_use]
     pub const fn of_rows(rows: Vec<Vec<String>>) -> Self {
         Self { rows }

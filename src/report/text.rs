@@ -52,7 +52,7 @@ impl fmt::Display for Effort {
     }
 }
 
-const fn ended(stop: StopReason) -> &'static str {
+pub(super) const fn ended(stop: StopReason) -> &'static str {
     match stop {
         StopReason::Generations => "all generations are done",
         StopReason::Evaluations => "no more evaluations are allowed",

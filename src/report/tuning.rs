@@ -2,61 +2,16 @@
 
 use serde::Serialize;
 
+use super::effort::{objectives, parameters};
 use super::validation::Trained;
 use super::{
-    Bound, Consistency, ConstraintCheck, Evidence, FrontPoint, FrontSummary, Matrices, Named, Rows, Validation,
-    Warning, constraint_checks, front, matrices, raw_rmse,
+    Bound, Consistency, ConstraintCheck, Effort, Evidence, FrontPoint, FrontSummary, Matrices, Named, Rows, Scored,
+    Uncertainty, Validation, Warning, constraint_checks, front, matrices, raw_rmse,
 };
-use crate::data::{HeldOut, Log, Split};
-use crate::evaluate::Device;
+use crate::data::{HeldOut, Split};
 use crate::model::Problem;
-use crate::objective::Objective;
 use crate::reference::{self, Failure};
-use crate::study::{self, Outcome, StopReason, Winner};
-
-/// How a study went, found or not.
-#[derive(Debug, Clone, Serialize)]
-pub struct Effort {
-    /// Problem file.
-    pub problem: String,
-    /// The log.
-    pub log: LogFacts,
-    /// Optimiser, by its name in the registry.
-    pub algorithm: String,
-    /// Units of the searched parameters, where the problem file gives them.
-    pub units: Named<Option<String>>,
-    /// The user's start values.
-    pub baseline: Scored,
-    /// Candidates evaluated, polish apart.
-    pub evaluations: u64,
-    /// How many of them failed.
-    pub failed: u64,
-    /// Generations after the initial one.
-    pub generations: usize,
-    /// Seed of every draw.
-    pub seed: u64,
-    /// Why the search ended.
-    pub stop: StopReason,
-    /// Where candidates were computed.
-    pub device: Device,
-    /// The whole study \[s\].
-    pub wall_s: f64,
-    /// The part of it spent evaluating \[s\].
-    pub evaluate_s: f64,
-    /// What the user should look at.
-    pub warnings: Vec<String>,
-}
-
-/// The log of a study.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct LogFacts {
-    /// File name.
-    pub source: String,
-    /// Number of rows.
-    pub rows: usize,
-    /// Number of trajectories.
-    pub trajectories: usize,
-}
+use crate::study::{self, Outcome, Winner};
 
 /// The result of a study. Objectives are values of the f64 reference over what was tuned on: the whole log, or its
 /// training rows where `validation` says so. Parameters are in their own units.
@@ -99,35 +54,6 @@ pub struct Tuning {
     pub effort: Effort,
 }
 
-/// The result of a study without a usable candidate: everything that a [`Tuning`] would add is null.
-#[derive(Debug, Clone, Serialize)]
-#[expect(missing_docs, reason = "as in Tuning")]
-pub struct Nothing {
-    pub parameters: (),
-    pub objectives: (),
-    pub validation: (),
-    pub consistency: (),
-    pub consistency_on: (),
-    pub certificate: (),
-    pub constraints: (),
-    pub feasible: (),
-    pub front: (),
-    pub front_summary: (),
-    pub polish: (),
-    pub matrices: (),
-    #[serde(flatten)]
-    pub effort: Effort,
-}
-
-/// Parameters and their objectives.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Scored {
-    /// Values in their own units.
-    pub parameters: Named<f64>,
-    /// Objectives; `None` when the filter could not run with these parameters.
-    pub objectives: Option<Named<f64>>,
-}
-
 /// The best candidates of the search, scored again by the independent f64 reference.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Certificate {
@@ -158,63 +84,6 @@ pub struct Polish {
     pub after: Named<f64>,
 }
 
-impl LogFacts {
-    /// Of a whole log, before anything is held out.
-    #[must_use]
-    pub fn of(log: &Log) -> Self {
-        Self { source: log.source.clone(), rows: log.rows(), trajectories: log.trajectories.len() }
-    }
-}
-
-impl Effort {
-    /// Of a finished study of `problem` over `log`, computed on `device`.
-    #[must_use]
-    pub fn of(problem: &Problem, log: LogFacts, outcome: &Outcome, device: Device, warnings: Vec<String>) -> Self {
-        let baseline = &outcome.baseline;
-        let searched = problem.parameters.searched().map(|(parameter, _)| parameter);
-        let units = searched.map(|p| p.unit.clone());
-        Self {
-            problem: problem.source.clone(),
-            log,
-            algorithm: outcome.algorithm.to_owned(),
-            units: Named::new(problem.parameters.names(), units),
-            baseline: Scored {
-                parameters: parameters(problem, &baseline.candidate),
-                objectives: baseline.objectives.as_ref().map(|values| objectives(problem, values)),
-            },
-            evaluations: outcome.evaluations,
-            failed: outcome.failed,
-            generations: outcome.generations.saturating_sub(1),
-            seed: problem.tune.seed,
-            stop: outcome.stop,
-            device,
-            wall_s: outcome.wall_s,
-            evaluate_s: outcome.evaluate_s,
-            warnings,
-        }
-    }
-
-    /// The result without a usable candidate.
-    #[must_use]
-    pub const fn without_winner(self) -> Nothing {
-        Nothing {
-            effort: self,
-            parameters: (),
-            objectives: (),
-            validation: (),
-            consistency: (),
-            consistency_on: (),
-            certificate: (),
-            constraints: (),
-            feasible: (),
-            front: (),
-            front_summary: (),
-            polish: (),
-            matrices: (),
-        }
-    }
-}
-
 impl Tuning {
     /// The result of a study over `split.train`, and its winner, which runs once more through the reference, and through
     /// what is held out.
@@ -242,6 +111,9 @@ impl Tuning {
         let from = vec![0; log.trajectories.len()];
         let raw = problem.tune.objectives.iter().filter_map(|o| Some((o.name(), raw_rmse(problem, log, &from, o)?)));
         let held_out = split.held_out.as_ref().and_then(|held| on_held_out(problem, held, &winner.candidate));
+        let mut consistency = held_out.as_ref().unwrap_or(&evidence).judge(problem, &winner.candidate);
+        // How well the parameters are determined is a matter of the rows that determined them.
+        consistency.uncertainty = Uncertainty::of(problem, log, &winner.candidate);
         let consistency_on = if held_out.is_some() { Rows::HeldOut } else { Rows::InSample };
         let (points, summary) = front(problem, outcome, split.held_out.as_ref()).unzip();
         let mut tuning = Self {
@@ -251,7 +123,7 @@ impl Tuning {
             objectives: objectives(problem, &winner.objectives),
             measured_rows: evidence.measured_rows(),
             validation: validation(problem, split, &effort.baseline, winner),
-            consistency: held_out.as_ref().unwrap_or(&evidence).judge(problem, &winner.candidate),
+            consistency,
             consistency_on,
             certificate: Certificate::of(problem, &winner.certificate),
             constraints: constraint_checks(problem, outcome),
@@ -318,12 +190,4 @@ fn on_held_out(problem: &Problem, held_out: &HeldOut, candidate: &[f64]) -> Opti
 fn simulated_with(problem: &Problem) -> Named<f64> {
     let spec = problem.simulate.as_ref().filter(|_| problem.data.file.is_none());
     spec.into_iter().flat_map(|spec| spec.parameters.iter().cloned()).collect()
-}
-
-fn parameters(problem: &Problem, candidate: &[f64]) -> Named<f64> {
-    Named::new(problem.parameters.names(), candidate.iter().copied())
-}
-
-fn objectives(problem: &Problem, values: &[f64]) -> Named<f64> {
-    Named::new(problem.tune.objectives.iter().map(Objective::name), values.iter().copied())
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Named, raw_rmse, short, significant};
 use crate::data::{HeldOut, Log, Split, scoring_rows};
@@ -50,7 +50,7 @@ pub struct Validation {
 }
 
 /// The size of a part of the log.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Part {
     /// Rows.
     pub rows: usize,
@@ -107,11 +107,14 @@ impl Validation {
 
     /// The judgement in one sentence.
     #[must_use]
-    pub const fn sentence(&self) -> &'static str {
+    pub fn sentence(&self) -> &'static str {
         match (&self.baseline, &self.winner) {
             (_, None) => "The tuned filter fails on held-out data.",
             (None, Some(_)) => "Your filter fails on held-out data, and the tuned one runs.",
             _ if self.worse => "The tuned parameters are worse than yours on held-out data.",
+            (Some(baseline), Some(winner)) if better_throughout(baseline, winner) => {
+                "The tuned parameters are better than yours on held-out data."
+            }
             _ => "The tuned parameters are no worse than yours on held-out data.",
         }
     }
@@ -146,6 +149,10 @@ fn improvements(
         Some((baseline - winner) / scale).filter(|share| share.is_finite())
     };
     problem.tune.objectives.iter().enumerate().map(improvement).collect()
+}
+
+fn better_throughout(baseline: &Named<f64>, winner: &Named<f64>) -> bool {
+    winner.iter().zip(baseline.iter()).all(|((_, winner), (_, baseline))| winner < baseline)
 }
 
 fn is_worse(baseline: Option<&[f64]>, winner: Option<&[f64]>) -> bool {

@@ -3,6 +3,7 @@
 mod archive;
 mod checkpoint;
 mod coordinates;
+mod decision;
 mod finish;
 mod front;
 mod record;
@@ -26,7 +27,8 @@ pub use stop::StopReason;
 use crate::evaluate::{Evaluation, Evaluator, Population};
 use crate::model::{Parameters, Problem, TuneSpec};
 use crate::optimize::{self, OptimizeError, Optimizer, RestoreError, Settings};
-use finish::{Bounds, Polished};
+use decision::Decision;
+use finish::Bounds;
 use record::Record;
 use search::Search;
 
@@ -285,7 +287,7 @@ pub fn run_task(
     if bounds.objectives > MAX_OBJECTIVES {
         return Err(StudyError::TooManyObjectives { objectives: bounds.objectives, limit: MAX_OBJECTIVES });
     }
-    let baseline = baseline(study.parameters.baseline(), judge.oracle, bounds)?;
+    let baseline = decision::baseline(study.parameters.baseline(), judge.oracle, bounds)?;
     let mut record = Record::new(bounds.objectives);
     if let Some(from) = from {
         from.check(optimizer.name(), study.parameters.dimension(), bounds.objectives)?;
@@ -295,7 +297,8 @@ pub fn run_task(
     let search = Search::new(tune, &coordinates, optimizer, evaluator, &mut record);
     let mut search = search.restored(from.map(|from| from.optimizer.as_slice()));
     let ended = search.run(observers, interrupt)?;
-    let Decision { winner, front, landmarks } = decide(tune, &coordinates, &record, evaluator, judge, interrupt)?;
+    let Decision { winner, front, landmarks } =
+        decision::decide(tune, &coordinates, &record, evaluator, judge, interrupt)?;
     let stop = if interrupt.load(Ordering::Relaxed) { StopReason::Interrupted } else { ended };
     Ok(Outcome {
         algorithm: optimizer.name(),
@@ -321,79 +324,5 @@ fn evaluate(evaluator: &mut dyn Evaluator, candidates: &Population) -> Result<Ev
         Ok(costs)
     } else {
         Err(StudyError::Evaluator { expected: candidates.len(), received: costs.len() })
-    }
-}
-
-/// The user's own candidate by the oracle, which must give as many values as there are objectives and constraints.
-fn baseline(candidate: Vec<f64>, oracle: &Oracle<'_>, bounds: Bounds<'_>) -> Result<Baseline, StudyError> {
-    if let Some(values) = oracle(&candidate).filter(|values| values.len() != bounds.scorers()) {
-        return Err(StudyError::Oracle { expected: bounds.scorers(), received: values.len() });
-    }
-    let verdict = bounds.ask(oracle, &candidate);
-    let (objectives, constraints) = verdict.map(|v| (v.objectives, v.constraints)).unzip();
-    Ok(Baseline { candidate, objectives, constraints })
-}
-
-/// What the oracle made of a search.
-struct Decision {
-    winner: Option<Winner>,
-    front: Vec<FrontMember>,
-    landmarks: Option<Landmarks>,
-}
-
-/// The winner of the front or, where that is empty or there is one objective, of the finalists; certified. The user's
-/// start is always among them if the search could score it, so that no winner is worse than the baseline.
-fn decide(
-    tune: &TuneSpec,
-    coordinates: &Coordinates,
-    record: &Record,
-    evaluator: &mut dyn Evaluator,
-    judge: Judge<'_>,
-    interrupt: &AtomicBool,
-) -> Result<Decision, StudyError> {
-    let with_start = |mut found: Vec<Scored>| {
-        let start = record.start.iter().filter(|start| !found.iter().any(|f| f.candidate == start.candidate));
-        let start: Vec<Scored> = start.cloned().collect();
-        found.extend(start);
-        found
-    };
-    let bounds = Bounds { objectives: evaluator.objectives(), constraints: &tune.constraints };
-    if let Some(front) = &record.front
-        && let Some(certified) = front::certify(&with_start(front.members()), judge.oracle, bounds, &tune.pick)
-    {
-        return Ok(Decision::of(certified));
-    }
-    let finalists = with_start(record.archive.members().to_vec());
-    let Some((mut candidate, mut verdict, certificate)) = finish::certify(&finalists, judge.oracle, bounds) else {
-        return Ok(Decision { winner: None, front: Vec::new(), landmarks: None });
-    };
-    let polish = if tune.polish && bounds.objectives == 1 && !interrupt.load(Ordering::Relaxed) {
-        let local: &mut dyn Evaluator = match judge.polisher {
-            Some(polisher) => polisher,
-            None => evaluator,
-        };
-        let best = Polished { candidate: &mut candidate, verdict: &mut verdict };
-        Some(finish::polish(best, coordinates, &finalists, local, (judge.oracle, bounds), interrupt)?)
-    } else {
-        None
-    };
-    let finish::Verdict { objectives, constraints, violation } = verdict;
-    let winner = Winner { candidate, objectives, constraints, violation, certificate, polish };
-    Ok(Decision { winner: Some(winner), front: Vec::new(), landmarks: None })
-}
-
-impl Decision {
-    /// The recommended member of a front wins.
-    fn of(certified: front::Certified) -> Self {
-        let front::Certified { members, landmarks, certificate } = certified;
-        let winner = members.get(landmarks.recommended).map(|member| Winner {
-            candidate: member.candidate.clone(),
-            objectives: member.objectives.clone(),
-            constraints: member.constraints.clone(),
-            violation: 0.0,
-            certificate,
-            polish: None,
-        });
-        Self { winner, front: members, landmarks: Some(landmarks) }
     }
 }

@@ -15,6 +15,7 @@ pub struct Snapshot {
     /// Name of the optimiser.
     pub algorithm: String,
     /// Its state, by [`crate::optimize::Optimizer::save`].
+    #[serde(with = "block")]
     pub optimizer: Vec<u8>,
     /// The best distinct candidates so far, best first.
     pub archive: Vec<Scored>,
@@ -85,5 +86,34 @@ impl Snapshot {
         ];
         let wrong = checks.into_iter().find(|(holds, _)| !holds);
         wrong.map_or(Ok(()), |(_, problem)| Err(StudyError::Snapshot { problem }))
+    }
+}
+
+/// Bytes in one piece; serde's own form of a vector takes them one by one.
+mod block {
+    use serde::de::{Deserializer, Visitor};
+    use serde::ser::Serializer;
+    use std::fmt;
+
+    pub(super) fn serialize<S: Serializer>(bytes: &[u8], to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_bytes(bytes)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<u8>, D::Error> {
+        from.deserialize_bytes(Block)
+    }
+
+    struct Block;
+
+    impl Visitor<'_> for Block {
+        type Value = Vec<u8>;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("bytes")
+        }
+
+        fn visit_bytes<E>(self, bytes: &[u8]) -> Result<Vec<u8>, E> {
+            Ok(bytes.to_vec())
+        }
     }
 }

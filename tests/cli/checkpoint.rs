@@ -59,7 +59,7 @@ fn killed_at_any_moment_and_resumed_the_result_is_the_same() {
         let resumed = result(&folder, &["--resume", "out", "--threads", "1"]);
         assert_eq!(resumed, whole, "killed after {share} of {took:?}");
         assert_eq!(history(&folder), whole_history, "killed after {share} of {took:?}");
-        assert_eq!(folder.names("out"), ["checkpoint.kfgpu", "figures", "history.csv", "result.json", "tuned.toml"]);
+        assert_eq!(folder.names("out"), crate::command::RUN_FILES);
     }
     let unfinished = killed.iter().filter(|names| !names.contains(&"result.json".to_owned())).count();
     assert!(unfinished > 0, "some process was killed before its end: {killed:?}");

@@ -116,6 +116,10 @@ impl Finished {
     }
 }
 
+/// What `tune --out` leaves of a study of one objective.
+pub(crate) const RUN_FILES: [&str; 6] =
+    ["checkpoint.kfgpu", "figures", "history.csv", "report.md", "result.json", "tuned.toml"];
+
 pub(crate) const LEVEL: &str = r#"
 [data]
 file = "log.csv"

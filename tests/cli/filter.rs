@@ -128,3 +128,62 @@ fn a_simulated_log_has_a_seed() {
     let message = folder.run(&["simulate", "problem.toml"]).refusal();
     assert!(message.contains("simulate"), "{message}");
 }
+
+#[test]
+fn smoothed_columns_stand_beside_the_filters() {
+    let folder = Folder::with_level();
+    folder.write("log.csv", "t,z\n0,1\n1,\n2.5,3\n");
+    let plain = folder.run(&["filter", "problem.toml", "--quiet"]).expect(0).table();
+    let table = folder.run(&["filter", "problem.toml", "--quiet", "--smooth"]).expect(0).table();
+    assert_eq!(table[0], ["t", "x", "P_x_x", "nu_z", "S_z", "nis", "x_smoothed", "P_x_x_smoothed"]);
+    assert!(plain.iter().zip(&table).all(|(plain, with)| plain[..] == with[..6]), "what was there stays: {table:?}");
+    let cell = |row: usize, column: usize| table[row][column].parse::<f64>().unwrap();
+    assert_eq!((cell(3, 6), cell(3, 7)), (cell(3, 1), cell(3, 2)), "nothing follows the last row");
+    // By hand: row 1 has P = P0 R / (P0 + R) + q, and is seen once more, through q + R.
+    let (p, seen) = (cell(2, 2), 1.0 + 50.0);
+    assert!((cell(2, 7) - p * seen / (p + seen)).abs() < 1e-11, "{table:?}");
+    assert!((cell(2, 6) - (cell(2, 1) + p / (p + seen) * (3.0 - cell(2, 1)))).abs() < 1e-12, "{table:?}");
+}
+
+/// Trajectories start at their first complete measurement.
+#[test]
+fn smoothing_follows_trajectories_that_start_late() {
+    let folder = Folder::with_level();
+    let several = folder
+        .read("problem.toml")
+        .replace("time = \"t\"", "time = \"t\"\ntrajectory = \"id\"")
+        .replace("x0 = [0]", "x0 = \"measurement\"");
+    folder.write("problem.toml", several);
+    folder.write("log.csv", "id,t,z\na,0,1\nb,0,\na,1,2\nb,1,5\na,2,4\nb,2,6\nb,3,9\n");
+    let table = folder.run(&["filter", "problem.toml", "--quiet", "--smooth", "--diagonal"]).expect(0).table();
+    assert_eq!(table.len(), 1 + 3 + 3, "three rows of a, three of b: {table:?}");
+    assert!(table.iter().flatten().filter(|cell| cell.is_empty()).count() == 6, "only the starts' nu, S and nis");
+    for (row, last) in [(3, true), (4, false), (6, true)] {
+        assert_eq!(table[row][2] == table[row][7], last, "the last row of a trajectory is not moved: {table:?}");
+    }
+}
+
+#[test]
+fn the_summary_compares_filter_and_smoother_with_truth() {
+    let folder = Folder::with_level();
+    let simulated = folder
+        .read("problem.toml")
+        .replace("file = \"log.csv\"\n", "")
+        .replace("measurements = [\"z\"]", "measurements = [\"z\"]\ntruth = { x = \"x\" }")
+        .replace("start = 1,", "start = 0.5,")
+        .replace("start = 50", "start = 4")
+        + "\n[simulate]\nsteps = 300\ndt = 1.0\nx0 = [3]\nseed = 1\n";
+    folder.write("sim.toml", simulated);
+    let json = folder.run(&["filter", "sim.toml", "--json", "--smooth"]).expect(0).json();
+    let rmse = |of: &str| json["rmse"][of]["x"].as_f64().unwrap();
+    // In the long run: P = (sqrt(q^2 + 4 q r) - q) / 2, and half as large again is what the future halves.
+    assert!(rmse("smoother") < 0.9 * rmse("filter"), "{json}");
+    let finished = folder.run(&["filter", "sim.toml", "--smooth"]).expect(0);
+    assert!(
+        finished.stderr.contains("rmse of x: filter ") && finished.stderr.contains(", smoother "),
+        "{}",
+        finished.stderr
+    );
+    let json = folder.run(&["filter", "sim.toml", "--json"]).expect(0).json();
+    assert!(json["rmse"]["filter"]["x"].is_f64() && json["rmse"]["smoother"].is_null(), "{json}");
+}

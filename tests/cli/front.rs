@@ -43,7 +43,10 @@ fn several_objectives_give_a_front_with_a_recommended_member() {
         assert!(reference > best, "{name}: {reference}");
     }
     assert!(json["polish"].is_null() && json["feasible"] == true && json["constraints"] == Value::Array(vec![]));
-    assert_eq!(folder.names("out"), ["checkpoint.kfgpu", "figures", "front.csv", "history.csv", "result.json", "tuned.toml"]);
+    assert_eq!(
+        folder.names("out"),
+        ["checkpoint.kfgpu", "figures", "front.csv", "history.csv", "report.md", "result.json", "tuned.toml"]
+    );
     let table = folder.read("out/front.csv");
     assert_eq!(table.lines().next(), Some("q,r,nll,mse_innovation,marks"));
     assert_eq!(table.lines().count(), front.len() + 1);
@@ -149,7 +152,7 @@ fn a_constraint_that_nothing_meets_ends_with_1_and_says_so() {
             json["feasible"] == false && json["constraints"][0]["met"] == false && json["front"].is_null(),
             "{json}"
         );
-        assert_eq!(folder.names("out"), ["checkpoint.kfgpu", "figures", "history.csv", "result.json", "tuned.toml"]);
+        assert_eq!(folder.names("out"), crate::command::RUN_FILES);
     }
 }
 

@@ -5,6 +5,7 @@ use std::io::Write as _;
 use serde_json::Value;
 
 use crate::command::{Folder, LEVEL};
+use crate::tune::without_times;
 
 /// What `devices --json` says.
 fn devices(folder: &Folder) -> Value {
@@ -107,14 +108,44 @@ fn an_unknown_adapter_is_answered_with_those_there_are() {
 
 /// The Vulkan loader finds no driver, as on a machine without one.
 #[cfg(all(feature = "gpu", target_os = "linux"))]
+fn without_driver(folder: &Folder, arguments: &[&str]) -> crate::command::Finished {
+    let mut command = folder.command(arguments);
+    command.env("VK_ICD_FILENAMES", "/nonexistent").env("VK_DRIVER_FILES", "/nonexistent");
+    command.output().unwrap().into()
+}
+
+#[cfg(all(feature = "gpu", target_os = "linux"))]
+#[test]
+fn a_search_of_a_gpu_is_resumed_on_it_or_on_the_cpu_in_f32() {
+    let folder = Folder::with_level();
+    let Some(name) = adapter(&folder) else { return };
+    let begin = ["tune", "problem.toml", "--json", "--out", "out", "--adapter", &name];
+    let whole = without_times(folder.run(&begin).expect(0).json());
+    folder.run(&[&begin[..], &["--evaluations", "50"]].concat()).expect(0);
+    let saved = std::fs::read(folder.path("out/checkpoint.kfgpu")).unwrap();
+    let resume = ["tune", "problem.toml", "--json", "--resume", "out"];
+    let same = folder.run(&resume).expect(0);
+    assert_eq!(without_times(same.json()), whole, "the same adapter is found again, and gives the same bits");
+    assert!(!same.stderr.contains("going on"), "{}", same.stderr);
+
+    folder.write("out/checkpoint.kfgpu", &saved);
+    let gone = without_driver(&folder, &resume).expect(0);
+    let said = format!("warning: the search ran on the GPU ({name} (");
+    assert_eq!(gone.stderr.matches(&said).count(), 1, "{}", gone.stderr);
+    let json = gone.json();
+    assert!(json["warnings"].to_string().contains("going on in f32 on the CPU ("), "{json}");
+    assert_eq!((&json["device"]["backend"], &json["device"]["precision"]), (&"cpu".into(), &"f32".into()));
+    assert_eq!(json["evaluations"], whole["evaluations"]);
+    folder.write("out/checkpoint.kfgpu", &saved);
+    let asked = folder.run(&[&resume[..], &["--device", "cpu"]].concat()).expect(0).json();
+    assert_eq!(without_times(asked)["parameters"], json["parameters"], "gone or left out, the CPU is the same");
+}
+
+#[cfg(all(feature = "gpu", target_os = "linux"))]
 #[test]
 fn a_gpu_asked_for_where_there_is_none_is_an_error() {
     let folder = Folder::with_level();
-    let run = |arguments: &[&str]| {
-        let mut command = folder.command(arguments);
-        command.env("VK_ICD_FILENAMES", "/nonexistent").env("VK_DRIVER_FILES", "/nonexistent");
-        crate::command::Finished::from(command.output().unwrap())
-    };
+    let run = |arguments: &[&str]| without_driver(&folder, arguments);
     let message = run(&["tune", "problem.toml", "--device", "gpu"]).refusal();
     assert!(message.starts_with("no GPU adapter") && message.contains("--device cpu"), "{message}");
     let text = run(&["devices"]).expect(0).stdout;

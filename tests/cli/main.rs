@@ -3,15 +3,19 @@
 #![expect(clippy::unwrap_used, reason = "a helper that fails fails its test")]
 #![expect(clippy::missing_assert_message, reason = "the values compared say it")]
 
+mod adaptive;
 mod bad_input;
 mod bench;
+mod check;
 mod checkpoint;
 mod command;
+mod compare;
 mod evaluate;
 mod examples;
 mod figures;
 mod filter;
 mod front;
 mod gpu;
+mod reproduce;
 mod tune;
 mod validation;

@@ -92,7 +92,7 @@ fn flags_take_the_place_of_the_file() {
 fn the_folder_holds_everything_and_its_problem_runs() {
     let folder = Folder::with_level();
     let json = tune(&folder, &["--out", "results/first"]);
-    assert_eq!(folder.names("results/first"), ["checkpoint.kfgpu", "figures", "history.csv", "result.json", "tuned.toml"]);
+    assert_eq!(folder.names("results/first"), crate::command::RUN_FILES);
     let written: Value = serde_json::from_str(&folder.read("results/first/result.json")).unwrap();
     assert_eq!(written, json);
     let history = folder.read("results/first/history.csv");
@@ -146,7 +146,11 @@ fn nothing_usable_exits_1_and_says_so_everywhere() {
     assert!(json["parameters"].is_null() && json["objectives"].is_null(), "{json}");
     assert!(json["baseline"]["objectives"].is_null(), "{json}");
     assert_eq!(json["failed"], json["evaluations"]);
-    assert_eq!(folder.names("out"), ["checkpoint.kfgpu", "history.csv", "result.json"], "there is no tuned problem");
+    assert_eq!(
+        folder.names("out"),
+        ["checkpoint.kfgpu", "history.csv", "report.md", "result.json"],
+        "there is no tuned problem"
+    );
 
     let finished = folder.run(&["filter", "problem.toml"]).expect(2);
     assert!(finished.stderr.contains("error: log.csv:"), "{}", finished.stderr);
@@ -196,7 +200,7 @@ fn ctrl_c_writes_the_best_so_far_and_exits_130() {
     let json = finished.json();
     assert_eq!(json["stop"], "interrupted");
     assert!(json["objectives"]["nll"].as_f64() < json["baseline"]["objectives"]["nll"].as_f64(), "{json}");
-    assert_eq!(folder.names("out"), ["checkpoint.kfgpu", "figures", "history.csv", "result.json", "tuned.toml"]);
+    assert_eq!(folder.names("out"), crate::command::RUN_FILES);
 }
 
 #[cfg(unix)]

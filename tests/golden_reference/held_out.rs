@@ -127,7 +127,6 @@ fn check(problem: &Problem, held_out: &HeldOut, expected: impl Fn(&Objective) ->
         let mut problem = problem.clone();
         problem.tune = tune(vec![objective.clone()]);
         let found = costs_held_out(&problem, held_out, &[]).expect("the run succeeds")[0];
-        println!("{objective:?}: {found}");
         close(found, expected(&objective), 1e-13);
     }
 }

@@ -2,6 +2,8 @@
 //!
 //! Nothing else in kfgpu is trusted before these pass, because everything else is compared with the reference.
 
+mod adaptive;
+mod adaptive_study;
 mod diffuse;
 mod examples;
 mod held_out;
@@ -11,4 +13,5 @@ mod rules;
 mod simulated;
 mod smoother;
 mod support;
+mod uncertainty;
 mod values;

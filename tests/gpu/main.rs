@@ -13,6 +13,7 @@
 mod case;
 #[path = "../parity/cases/mod.rs"]
 mod cases;
+mod constraints;
 mod faults;
 #[path = "../parity/logs.rs"]
 #[allow(dead_code, reason = "shared with the parity of the CPU")]

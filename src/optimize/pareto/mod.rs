@@ -5,12 +5,15 @@
 
 mod crowding;
 mod fronts;
+mod staircase;
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 mod tree;
 
 pub use crowding::crowding;
 pub use fronts::fronts;
+
+use rayon::prelude::*;
 
 use crate::evaluate::Evaluation;
 use std::cmp::Ordering;
@@ -159,6 +162,27 @@ impl Ranking {
         Self { rank, crowding }
     }
 
+    /// The best `keep` candidates, by [`Self::compare`] and then by index, with the ranks and crowding distances that they
+    /// have among **all**.
+    #[must_use]
+    pub fn best(scores: &Scores, keep: usize) -> (Vec<usize>, Self) {
+        let rank = fronts(scores);
+        let mut sizes = vec![0; rank.iter().max().map_or(0, |last| last + 1)];
+        rank.iter().for_each(|rank| sizes[*rank] += 1);
+        let filled = |so_far: &mut usize, size: &usize| {
+            *so_far += size;
+            Some(*so_far)
+        };
+        let last = sizes.iter().scan(0, filled).take_while(|so_far| *so_far < keep).count();
+        let members: Vec<usize> = (0..rank.len()).filter(|i| rank[*i] <= last).collect();
+        let crowding = crowding::crowding_among(scores, &rank, members.clone());
+        let mut keyed: Vec<(usize, f64, usize)> = members.into_iter().map(|i| (rank[i], crowding[i], i)).collect();
+        keyed.par_sort_unstable_by(|a, b| a.0.cmp(&b.0).then(b.1.total_cmp(&a.1)).then(a.2.cmp(&b.2)));
+        keyed.truncate(keep);
+        let (rank, crowding) = keyed.iter().map(|(rank, crowding, _)| (*rank, *crowding)).unzip();
+        (keyed.into_iter().map(|(_, _, i)| i).collect(), Self { rank, crowding })
+    }
+
     /// The crowded-comparison order: lower rank, then larger crowding distance; `Less` = `i` is better.
     #[must_use]
     pub fn compare(&self, i: usize, j: usize) -> Ordering {
@@ -171,14 +195,5 @@ impl Ranking {
         let mut order: Vec<usize> = (0..self.rank.len()).collect();
         order.sort_unstable_by(|i, j| self.compare(*i, *j).then(i.cmp(j)));
         order
-    }
-
-    /// Rank and crowding of the candidates that `which` names, in that order.
-    #[must_use]
-    pub fn select(&self, which: &[usize]) -> Self {
-        Self {
-            rank: which.iter().map(|i| self.rank[*i]).collect(),
-            crowding: which.iter().map(|i| self.crowding[*i]).collect(),
-        }
     }
 }

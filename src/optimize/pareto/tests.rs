@@ -19,7 +19,7 @@ fn random_scores(case: u64, objectives: usize) -> Scores {
 }
 
 /// Peels one front after the other, comparing all pairs.
-fn peeled(scores: &Scores) -> Vec<usize> {
+pub(in crate::optimize) fn peeled(scores: &Scores) -> Vec<usize> {
     let mut rank = vec![usize::MAX; scores.len()];
     let mut front = 0;
     while rank.contains(&usize::MAX) {
@@ -33,7 +33,7 @@ fn peeled(scores: &Scores) -> Vec<usize> {
 }
 
 /// Neighbours of a candidate by looking at every other of its front, with no sorting.
-fn crowding_by_neighbours(scores: &Scores, ranks: &[usize], i: usize) -> f64 {
+pub(in crate::optimize) fn crowding_by_neighbours(scores: &Scores, ranks: &[usize], i: usize) -> f64 {
     let front: Vec<usize> = (0..ranks.len()).filter(|j| ranks[*j] == ranks[i]).collect();
     let mut sum = 0.0;
     for m in 0..scores.objectives() {
@@ -134,6 +134,25 @@ fn the_order_of_extreme_numbers() {
     let distance = crowding(&scores, &fronts(&scores));
     assert!(distance.iter().all(|d| !d.is_nan()), "{distance:?}");
     assert_eq!(Ranking::of(&Scores::new(3)).order(), [0_usize; 0]);
+    assert_eq!(fronts(&Scores::new(4)), [0_usize; 0]);
+}
+
+/// Ranking only as many fronts as are kept changes nothing of what is kept.
+#[test]
+fn the_best_are_the_head_of_the_whole_order() {
+    for (case, objectives) in (0..200).map(|case| (case, 1 + case as usize % 4)) {
+        let scores = random_scores(case, objectives);
+        let whole = Ranking::of(&scores);
+        let order = whole.order();
+        for keep in [0, 1, scores.len() / 2, scores.len()] {
+            let (kept, ranking) = Ranking::best(&scores, keep);
+            assert_eq!(kept, order[..keep], "case {case}, {keep} of {}", scores.len());
+            let expected: Vec<usize> = kept.iter().map(|i| whole.rank[*i]).collect();
+            assert_eq!(ranking.rank, expected, "case {case}");
+            let expected: Vec<f64> = kept.iter().map(|i| whole.crowding[*i]).collect();
+            assert_eq!(ranking.crowding, expected, "case {case}");
+        }
+    }
 }
 
 #[test]

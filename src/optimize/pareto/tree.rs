@@ -3,18 +3,42 @@
 /// Points that a leaf holds before it is split.
 const BUCKET: usize = 16;
 
-enum Node<'a> {
-    Leaf(Vec<&'a [f64]>),
-    /// Points whose `coordinate` is below `at` are in `low`, the others in `high`.
-    Split {
-        coordinate: usize,
-        at: f64,
-        low: Box<Self>,
-        high: Box<Self>,
-    },
+/// Where space is cut: the medians of all points, coordinate after coordinate, so that no order of insertion unbalances a
+/// tree. In the order of a heap: the cuts below `k` are `2 k + 1` and `2 k + 2`.
+pub(super) struct Cuts {
+    coordinates: usize,
+    at: Vec<f64>,
 }
 
-/// Distinct points of one front, without their first cost: the order of insertion has dealt with that.
+impl Cuts {
+    /// For trees that will hold some of these points, which must not be none.
+    pub(super) fn of(points: &mut [&[f64]]) -> Self {
+        let leaves = (points.len() / BUCKET).max(1).next_power_of_two();
+        let mut cuts = Self { coordinates: points[0].len(), at: vec![0.0; leaves - 1] };
+        cuts.place(points, 0, 0);
+        cuts
+    }
+
+    fn place(&mut self, points: &mut [&[f64]], k: usize, level: usize) {
+        if k >= self.at.len() || points.is_empty() {
+            return;
+        }
+        let (coordinate, middle) = (level % self.coordinates, points.len() / 2);
+        let by_coordinate = |a: &&[f64], b: &&[f64]| a[coordinate].total_cmp(&b[coordinate]);
+        let (low, median, high) = points.select_nth_unstable_by(middle, by_coordinate);
+        self.at[k] = median[coordinate];
+        self.place(low, 2 * k + 1, level + 1);
+        self.place(high, 2 * k + 2, level + 1);
+    }
+}
+
+enum Node<'a> {
+    Leaf(Vec<&'a [f64]>),
+    /// What is below the cut, and the rest.
+    Split(Box<[Self; 2]>),
+}
+
+/// Points of one front, without their first cost: the order of insertion has dealt with that.
 pub(super) struct DominanceTree<'a> {
     root: Node<'a>,
 }
@@ -25,59 +49,41 @@ impl<'a> DominanceTree<'a> {
     }
 
     /// Whether a stored point is nowhere above `point`.
-    pub(super) fn dominates(&self, point: &[f64]) -> bool {
-        self.root.dominates(point)
+    pub(super) fn dominates(&self, point: &[f64], cuts: &Cuts) -> bool {
+        self.root.dominates(point, cuts, 0, 0)
     }
 
-    pub(super) fn insert(&mut self, point: &'a [f64]) {
-        self.root.insert(point, 0);
+    pub(super) fn insert(&mut self, point: &'a [f64], cuts: &Cuts) {
+        self.root.insert(point, cuts, 0, 0);
     }
 }
 
 impl<'a> Node<'a> {
-    fn dominates(&self, point: &[f64]) -> bool {
+    fn dominates(&self, point: &[f64], cuts: &Cuts, k: usize, coordinate: usize) -> bool {
         match self {
             Self::Leaf(points) => points.iter().any(|stored| stored.iter().zip(point).all(|(a, b)| a <= b)),
-            Self::Split { coordinate, at, low, high } => {
-                low.dominates(point) || (point[*coordinate] >= *at && high.dominates(point))
+            Self::Split(halves) => {
+                let next = (coordinate + 1) % cuts.coordinates;
+                halves[0].dominates(point, cuts, 2 * k + 1, next)
+                    || (point[coordinate] >= cuts.at[k] && halves[1].dominates(point, cuts, 2 * k + 2, next))
             }
         }
     }
 
-    fn insert(&mut self, point: &'a [f64], depth: usize) {
+    fn insert(&mut self, point: &'a [f64], cuts: &Cuts, k: usize, coordinate: usize) {
         match self {
             Self::Leaf(points) => {
                 points.push(point);
-                if points.len() > BUCKET {
-                    *self = Self::split(std::mem::take(points), depth);
+                if points.len() > BUCKET && k < cuts.at.len() {
+                    let (low, high) = std::mem::take(points).into_iter().partition(|p| p[coordinate] < cuts.at[k]);
+                    *self = Self::Split(Box::new([Self::Leaf(low), Self::Leaf(high)]));
                 }
             }
-            Self::Split { coordinate, at, low, high } => {
-                let side = if point[*coordinate] < *at { low } else { high };
-                side.insert(point, depth + 1);
+            Self::Split(halves) => {
+                let high = point[coordinate] >= cuts.at[k];
+                let next = (coordinate + 1) % cuts.coordinates;
+                halves[usize::from(high)].insert(point, cuts, 2 * k + 1 + usize::from(high), next);
             }
         }
-    }
-
-    /// Cuts at the median of the first coordinate, from `depth` on in turn, in which the points differ enough for both
-    /// sides to have some. Distinct points differ in one.
-    fn split(mut points: Vec<&'a [f64]>, depth: usize) -> Self {
-        let coordinates = points[0].len();
-        for turn in 0..coordinates {
-            let coordinate = (depth + turn) % coordinates;
-            points.sort_unstable_by(|a, b| a[coordinate].total_cmp(&b[coordinate]));
-            let at = points[points.len() / 2][coordinate];
-            let cut = points.partition_point(|p| p[coordinate] < at);
-            if cut > 0 {
-                let high = points.split_off(cut);
-                return Self::Split {
-                    coordinate,
-                    at,
-                    low: Box::new(Self::Leaf(points)),
-                    high: Box::new(Self::Leaf(high)),
-                };
-            }
-        }
-        Self::Leaf(points)
     }
 }

@@ -1,23 +1,40 @@
-//! Fronts that NSGA-II finds, against another program's at the same budget.
+//! Fronts that NSGA-II finds, against another program's at the same budget and against closed forms.
 
 use super::*;
 use crate::evaluate::mock::MultiObjective;
-use crate::optimize::indicators::{hypervolume, igd};
-use crate::optimize::nsga2::{Nsga2, PUBLISHED, STUDY};
+use crate::optimize::indicators::{hypervolume, igd, spread};
+use crate::optimize::nsga2::{Nsga2, PUBLISHED};
+use rayon::prelude::*;
 
-/// Costs of the last population of 100 candidates x 250 generations.
-fn last_front(function: MultiObjective, coordinates: usize, seed: u64) -> Vec<Vec<f64>> {
+/// Costs of the last population.
+fn last_front(function: MultiObjective, coordinates: usize, settings: Settings) -> Vec<Vec<f64>> {
     let space = Space::boxed(&function.bounds()[..coordinates]);
-    let settings = Settings { objectives: function.objectives(), ..settings(100, 249, seed) };
+    let settings = Settings { objectives: function.objectives(), ..settings };
     let mut search = Nsga2::new(&space, &settings, PUBLISHED);
     drive(&mut search, &mut Mock::new(function));
-    (0..100).map(|i| search.scores().costs(i).to_vec()).collect()
+    (0..settings.population).map(|i| search.scores().costs(i).to_vec()).collect()
 }
 
 fn slices(points: &[Vec<f64>]) -> Vec<&[f64]> {
     points.iter().map(Vec::as_slice).collect()
 }
 
+fn middle(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+/// The other program's seeds spread from `low` to `high`; the median of ours may lie as far again on the bad side.
+fn within_spread(what: &str, ours: f64, theirs: &[f64], larger_is_better: bool) {
+    let (low, high) =
+        (theirs.iter().copied().fold(f64::MAX, f64::min), theirs.iter().copied().fold(f64::MIN, f64::max));
+    println!("{what}: {ours:.6} against {low:.6} to {high:.6}");
+    let reached = if larger_is_better { ours >= low - (high - low) } else { ours <= high + (high - low) };
+    assert!(reached, "{what}: {ours}, theirs {low} to {high}");
+}
+
+/// 100 candidates x 250 generations, as there. Measured: hypervolumes .86936 against .86962 to .86992 on ZDT1, .53627
+/// against .53631 to .53639 on ZDT2, and within their range on ZDT3 and DTLZ2.
 #[test]
 fn fronts_are_as_good_as_another_programs() {
     #[derive(serde::Deserialize)]
@@ -35,14 +52,37 @@ fn fronts_are_as_good_as_another_programs() {
     ];
     for (name, function, coordinates, n) in cases {
         let theirs: Vec<Run> = serde_json::from_value(golden[name]["runs"].clone()).expect(name);
-        let truth = function.front(n);
+        let (truth, reference) = (function.front(n), vec![1.1; function.objectives()]);
         let score = |seed| {
-            let front = last_front(function, coordinates, seed);
-            let reference = vec![1.1; function.objectives()];
+            let front = last_front(function, coordinates, settings(100, 249, seed));
             (hypervolume(&slices(&front), &reference), igd(&slices(&front), &slices(&truth)))
         };
-        let ours: Vec<(f64, f64)> = (1..=5).map(score).collect();
-        println!("{name}: {ours:?}");
-        println!("   {:?}", theirs.iter().map(|r| (r.hv, r.igd)).collect::<Vec<_>>());
+        let (hv, distance): (Vec<f64>, Vec<f64>) = (1..=5_u64).into_par_iter().map(score).unzip();
+        let (their_hv, their_igd): (Vec<f64>, Vec<f64>) = theirs.iter().map(|run| (run.hv, run.igd)).unzip();
+        within_spread(&format!("{name}, hypervolume"), middle(hv), &their_hv, true);
+        within_spread(&format!("{name}, IGD"), middle(distance), &their_igd, false);
     }
+}
+
+/// ZDT6, which the other program's file does not have, and four objectives: the share of the true front's hypervolume
+/// (0.982 and 0.782 measured).
+#[test]
+fn uneven_and_four_objective_fronts_are_found() {
+    for (function, steps, least) in [(MultiObjective::Zdt6, 2000, 0.97), (MultiObjective::Dtlz2(4), 16, 0.75)] {
+        let reference = vec![1.1; function.objectives()];
+        let truth = function.front(steps);
+        let front = last_front(function, function.bounds().len(), settings(100, 249, 1));
+        let share = hypervolume(&slices(&front), &reference) / hypervolume(&slices(&truth), &reference);
+        println!("{function:?}: {share:.4} of the true hypervolume");
+        assert!(share > least, "{function:?}: {share}");
+    }
+}
+
+/// Deb et al. report a spread of 0.39 on ZDT1 (real-coded, 100 x 250 generations).
+#[test]
+fn the_front_is_spread_as_published() {
+    let front = last_front(MultiObjective::Zdt1, 30, settings(100, 249, 1));
+    let found = spread(&slices(&front), &[&[0.0, 1.0], &[1.0, 0.0]]);
+    println!("spread {found:.3}");
+    assert!(found < 0.45, "{found}");
 }

@@ -1,6 +1,7 @@
 //! The whole registry on the mock evaluator.
 
 mod fronts;
+mod genetic;
 mod local;
 mod refuelling;
 mod saved;

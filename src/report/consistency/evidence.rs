@@ -1,8 +1,9 @@
 //! What a run says about its filter, collected row by row so that no run needs to be kept.
 
 use super::band::Band;
+use super::distribution::Counts;
 use super::whiteness::{Whiteness, normalised, number};
-use super::{Consistency, Nees, Verdict, verdict};
+use super::{Consistency, Nees, Uncertainty, Verdict, verdict};
 use crate::data::Log;
 use crate::model::Problem;
 use crate::reference::Step;
@@ -20,6 +21,8 @@ pub struct Evidence {
     /// NIS without the first [`SETTLING`] measured rows of each trajectory.
     settled: Sum,
     nees: Sum,
+    /// NIS of single rows.
+    distribution: Counts,
     /// Measured rows of each trajectory.
     measured: Vec<usize>,
     /// Normalised innovations by measurement and trajectory.
@@ -50,6 +53,7 @@ impl Evidence {
             nis: Sum::default(),
             settled: Sum::default(),
             nees: Sum::default(),
+            distribution: Counts::new(log.measurements.len()),
             measured: vec![0; trajectories],
             series: vec![vec![Vec::new(); trajectories]; log.measurements.len()],
         }
@@ -65,6 +69,7 @@ impl Evidence {
         }
         let Some(update) = &step.update else { return };
         self.nis.add(update.nis, update.present.len());
+        self.distribution.add(update.nis, update.present.len());
         self.measured[trajectory] += 1;
         if self.measured[trajectory] > SETTLING {
             self.settled.add(update.nis, update.present.len());
@@ -102,6 +107,8 @@ impl Evidence {
             findings: Vec::new(),
             whiteness: Whiteness::of(&self.measurements, &self.series),
             nees: self.nees(),
+            nis_distribution: self.distribution.judge(),
+            uncertainty: Uncertainty::default(),
         };
         consistency.findings = verdict::findings(&consistency, &problem.parameters, candidate);
         if let Some(headline) = consistency.findings.first() {

@@ -13,7 +13,7 @@ use crate::report::{Bound, short};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// NIS within its band, white innovations, no parameter at a bound.
+    /// NIS within its band, white innovations, no parameter at a bound, no heavy tails.
     Consistent,
     /// NIS above its band: the filter trusts itself too much.
     Overconfident,
@@ -23,6 +23,8 @@ pub enum Verdict {
     InnovationsCorrelated,
     /// A searched parameter ran to its bound.
     ParameterAtBound,
+    /// Large NIS is more frequent than its distribution allows, though the mean is right.
+    HeavyTails,
     /// Nothing is wrong so far, but no measurement has innovations enough to tell whether they are white.
     TooFewInnovations,
     /// Nothing was measured.
@@ -37,6 +39,7 @@ impl fmt::Display for Verdict {
             Self::Underconfident => "underconfident",
             Self::InnovationsCorrelated => "innovations correlated",
             Self::ParameterAtBound => "parameter at its bound",
+            Self::HeavyTails => "heavy tails",
             Self::TooFewInnovations => "too few innovations",
             Self::NothingMeasured => "nothing measured",
         })
@@ -62,6 +65,7 @@ pub(super) fn findings(c: &Consistency, parameters: &Parameters, candidate: &[f6
     let mut found: Vec<Finding> = nis(c).into_iter().chain(correlated(c)).collect();
     let searched = parameters.searched().zip(candidate);
     found.extend(searched.filter_map(|((parameter, search), value)| at_bound(&parameter.name, search, *value)));
+    found.extend(heavy_tails(c));
     if found.is_empty() {
         found.push(nothing_wrong(c));
     }
@@ -128,6 +132,17 @@ fn nis(c: &Consistency) -> Option<Finding> {
         verdict,
         advice: format!("mean NIS {} is {side} its 95 % band {low:.3}..{high:.3}: {cause}", short(mean, 4)),
     })
+}
+
+/// Only where the mean is right: a wrong mean moves the tails too.
+fn heavy_tails(c: &Consistency) -> Option<Finding> {
+    let tails = c.nis_distribution.as_ref().filter(|d| d.has_heavy_tails() && nis(c).is_none())?;
+    let (share, high) = (100.0 * tails.above_99, 100.0 * tails.above_99_high);
+    let advice = format!(
+        "{share:.1} % of rows are above the 99 % quantile of their NIS, at most {high:.1} % should be, though its mean is \
+         right: the noise has outliers or changes with time (look at the rows of largest NIS)"
+    );
+    Some(Finding { verdict: Verdict::HeavyTails, advice })
 }
 
 fn at_bound(name: &str, search: &Search, value: f64) -> Option<Finding> {

@@ -12,9 +12,9 @@ use crate::study::{Generation, Observer, Scored, Snapshot};
 /// Writes a checkpoint after every generation, whole or not at all: under a temporary name beside the file, which is then
 /// renamed. A process that ends at any moment leaves the old file or the new one.
 ///
-/// A write that takes longer than [`Self::QUICK`] (a population of many thousands, or as many generations of history)
-/// is left out while the writes would take more than a fifth of the time; the last state is always written. At most
-/// once a second, and at the end, the file is also brought to the disk, against loss of power.
+/// Files above [`Self::SMALL`] (a population of many thousands, or a history as long) are left out while their writing
+/// would take more than a fifth of the time; the last state is always written. Every second or so, and at the end, the
+/// file is also brought to the disk, against loss of power.
 ///
 /// A write that fails does not end the search: the file stays as it was and [`Self::failure`] says why.
 #[derive(Debug)]
@@ -24,20 +24,29 @@ pub struct CheckpointFile {
     source: Source,
     /// Generations in the file.
     written: Option<usize>,
-    /// When the last write ended, and how long it took.
-    last: Option<(Instant, Duration)>,
-    synced: Option<Instant>,
+    last: Option<Write>,
+    /// When the file was last brought to the disk, and how long that took.
+    synced: (Instant, Duration),
     failure: Option<String>,
 }
 
+/// A write that has taken place.
+#[derive(Debug, Clone, Copy)]
+struct Write {
+    bytes: usize,
+    end: Instant,
+    took: Duration,
+}
+
 impl CheckpointFile {
-    /// Writes no longer than this take place after every generation.
-    pub const QUICK: Duration = Duration::from_millis(5);
+    /// Files of so many bytes are written after every generation, in about a millisecond.
+    pub const SMALL: usize = 1 << 20;
 
     /// A file for the search of the problem and log with this identity.
     #[must_use]
-    pub const fn new(path: PathBuf, identity: Identity, source: Source) -> Self {
-        Self { path, identity, source, written: None, last: None, synced: None, failure: None }
+    pub fn new(path: PathBuf, identity: Identity, source: Source) -> Self {
+        let synced = (Instant::now(), Duration::ZERO);
+        Self { path, identity, source, written: None, last: None, synced, failure: None }
     }
 
     /// Where it is.
@@ -60,19 +69,23 @@ impl CheckpointFile {
 
     /// Whether a write like the last one may take place now.
     fn is_due(&self) -> bool {
-        self.last.is_none_or(|(end, took)| took <= Self::QUICK || end.elapsed() >= 4 * took)
+        self.last.is_none_or(|last| last.bytes <= Self::SMALL || last.end.elapsed() >= 4 * last.took)
     }
 
     fn write(&mut self, snapshot: Snapshot, ended: bool) -> io::Result<()> {
+        let begin = Instant::now();
         let generations = snapshot.history.len();
-        // Cloned with every write: a problem file is small beside a population.
+        // The source is cloned with every write: a problem file is small beside a population.
         let checkpoint = Checkpoint::new(self.identity, self.source.clone(), snapshot);
         let bytes = checkpoint.to_bytes().map_err(io::Error::other)?;
-        let to_disk = ended || self.synced.is_none_or(|at| at.elapsed() >= Duration::from_secs(1));
-        replace(&self.path, &bytes, to_disk)?;
+        let (at, took) = self.synced;
+        let to_disk = ended || at.elapsed() >= (20 * took).max(Duration::from_secs(1));
+        let syncing = replace(&self.path, &bytes, to_disk)?;
+        let end = Instant::now();
         if to_disk {
-            self.synced = Some(Instant::now());
+            self.synced = (end, syncing);
         }
+        self.last = Some(Write { bytes: bytes.len(), end, took: (end - begin).saturating_sub(syncing) });
         self.written = Some(generations);
         Ok(())
     }
@@ -89,21 +102,23 @@ impl Observer for CheckpointFile {
         if !ended && !self.is_due() {
             return;
         }
-        let begin = Instant::now();
         self.failure = self.write(make(), ended).err().map(|error| error.to_string());
-        self.last = Some((Instant::now(), begin.elapsed()));
     }
 }
 
-/// Writes `path` whole or leaves it as it was.
-fn replace(path: &Path, bytes: &[u8], to_disk: bool) -> io::Result<()> {
+/// Writes `path` whole or leaves it as it was; how long it took to bring it to the disk.
+fn replace(path: &Path, bytes: &[u8], to_disk: bool) -> io::Result<Duration> {
     let temporary = temporary_name(path);
     let write = || {
         let mut file = File::create(&temporary)?;
         file.write_all(bytes)?;
-        if to_disk { file.sync_all() } else { Ok(()) }
+        let begin = Instant::now();
+        if to_disk {
+            file.sync_all()?;
+        }
+        Ok(begin.elapsed())
     };
-    let written = write().and_then(|()| fs::rename(&temporary, path));
+    let written = write().and_then(|syncing| fs::rename(&temporary, path).map(|()| syncing));
     if written.is_err() {
         // The first error is the one to report; a temporary file that never came to be cannot be removed either.
         let _ = fs::remove_file(&temporary);

@@ -27,14 +27,23 @@ impl Identity {
     pub fn of(problem: &Problem, log: &Log) -> Self {
         Self { problem: of_problem(problem), log: of_log(log) }
     }
+
+    /// SHA-256 of every number of a log that a filter sees, in hexadecimal digits.
+    #[must_use]
+    pub fn of_log(log: &Log) -> String {
+        of_log(log).iter().map(|byte| format!("{byte:02x}")).collect()
+    }
 }
 
 /// By the `Debug` form of its parts: that has every digit of every number, and what is added to them later.
 fn of_problem(problem: &Problem) -> [u8; 32] {
     // Nothing is left out unseen: a new field has to be put on one side or the other.
     let Problem { source: _, text: _, data: _, model, parameters, filter, tune, simulate: _ } = problem;
-    let TuneSpec { algorithm, objectives, constraints, population, generations, seed, include_start, .. } = tune;
-    let TuneSpec { evaluations: _, wall_time: _, stall: _, target: _, polish: _, pick: _, .. } = tune;
+    #[rustfmt::skip]
+    let TuneSpec {
+        algorithm, objectives, constraints, population, generations, seed, include_start,
+        evaluations: _, wall_time: _, stall: _, target: _, polish: _, pick: _,
+    } = tune;
     let mut sum = Sum(Sha256::new());
     let search = (algorithm, objectives, constraints, population, generations, seed, include_start);
     // Hashing cannot fail.

@@ -2,8 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::{FrontMember, Landmarks, dominates};
+use super::{FrontMember, Landmarks};
 use crate::model::Pick;
+use crate::optimize::pareto::dominates;
 use crate::study::finish::{Bounds, Certificate, ORDER_TOLERANCE, Verdict, relative_gap};
 use crate::study::{Oracle, Scored};
 

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Scored;
 use crate::evaluate::{Evaluation, Population};
+use crate::optimize::indicators::hypervolume;
 
 pub(super) use certify::{Certified, certify};
 pub use pick::Landmarks;
@@ -72,7 +73,9 @@ impl Front {
 
     /// The volume that the members dominate, up to the reference point.
     pub(super) fn hypervolume(&self) -> f64 {
-        0.0 // PENDING MERGE nsga
+        let points = self.points();
+        let points: Vec<&[f64]> = points.iter().map(Vec::as_slice).collect();
+        hypervolume(&points, &self.reference)
     }
 
     /// Costs of each member.
@@ -149,9 +152,4 @@ fn beyond(column: &[f64]) -> f64 {
     let range = high - low;
     let unit = if high.abs() > 0.0 { high.abs() } else { 1.0 };
     high + 0.1 * if range > 0.0 { range } else { unit }
-}
-
-/// Whether `a` is at least as good as `b` in every objective and better in one.
-pub(super) fn dominates(a: &[f64], b: &[f64]) -> bool {
-    a.iter().zip(b).all(|(a, b)| a <= b) && a.iter().zip(b).any(|(a, b)| a < b)
 }

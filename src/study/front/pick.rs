@@ -29,7 +29,7 @@ impl Landmarks {
     pub fn of(front: &[Vec<f64>], pick: &Pick) -> Option<Self> {
         let objectives = front.first()?.len();
         let scaled = scaled(front);
-        let sum = |u: &Vec<f64>| u.iter().sum::<f64>();
+        let sum = |u: &[f64]| u.iter().sum::<f64>();
         let ends: Vec<usize> = (0..objectives).filter_map(|j| best(&scaled, |u| (u[j], sum(u)))).collect();
         let knee = best(&scaled, |u| (sum(u), largest(u)))?;
         // The ends themselves lie on the plane, but for rounding.
@@ -39,7 +39,7 @@ impl Landmarks {
             Pick::Knee => knee,
             Pick::Best(j) => *ends.get(*j)?,
             Pick::Weights(weights) => {
-                let weighted = |u: &Vec<f64>| u.iter().zip(weights).map(|(u, w)| u * w).sum::<f64>();
+                let weighted = |u: &[f64]| u.iter().zip(weights).map(|(u, w)| u * w).sum::<f64>();
                 best(&scaled, |u| (weighted(u), sum(u)))?
             }
         };
@@ -58,13 +58,13 @@ fn scaled(front: &[Vec<f64>]) -> Vec<Vec<f64>> {
     front.iter().map(|row| row.iter().zip(&low).zip(&high).map(scale).collect()).collect()
 }
 
-fn largest(u: &Vec<f64>) -> f64 {
+fn largest(u: &[f64]) -> f64 {
     u.iter().copied().fold(0.0, f64::max)
 }
 
 /// The member with the smallest key, the first of equals.
-fn best(scaled: &[Vec<f64>], key: impl Fn(&Vec<f64>) -> (f64, f64)) -> Option<usize> {
-    let keys: Vec<(f64, f64)> = scaled.iter().map(key).collect();
+fn best(scaled: &[Vec<f64>], key: impl Fn(&[f64]) -> (f64, f64)) -> Option<usize> {
+    let keys: Vec<(f64, f64)> = scaled.iter().map(|u| key(u)).collect();
     (0..keys.len()).min_by(|a, b| keys[*a].0.total_cmp(&keys[*b].0).then(keys[*a].1.total_cmp(&keys[*b].1)))
 }
 

@@ -8,6 +8,7 @@ use super::*;
 use crate::evaluate::{Device, Evaluator, Status};
 use crate::model::{Parameter, Parameters, Pick, Scale, Search, TuneSpec, Value};
 use crate::objective::{Constraint, Kind, Objective, Relation};
+use crate::optimize::pareto::dominates;
 use crate::study::{Judge, MAX_OBJECTIVES, Outcome, StopReason, Study, StudyError, run};
 
 /// Objectives, then what is bounded, of a candidate (a, b).

@@ -1,5 +1,6 @@
 //! Models x objectives x log shapes.
 
+mod adaptive;
 mod built_in;
 mod correlated;
 mod diffuse;
@@ -25,8 +26,10 @@ fn example(name: &str) -> Case {
 }
 
 pub(crate) fn all() -> Vec<Case> {
-    let examples = ["nile", "rocket", "refuelling", "robot", "uav_gps_cv", "uav_gps_ca", "tum_fr2_desk"];
+    let examples =
+        ["nile", "rocket", "rocket_sage_husa", "refuelling", "robot", "uav_gps_cv", "uav_gps_ca", "tum_fr2_desk"];
     let mut cases: Vec<Case> = examples.map(example).into();
+    cases.extend(adaptive::cases());
     cases.extend(built_in::cases());
     cases.extend(formulas::cases());
     cases.extend(correlated::cases());

@@ -2,7 +2,9 @@
 
 mod covariances;
 mod file;
+mod filter;
 mod formulas;
+mod front;
 mod parameters;
 mod tune;
 

@@ -1,7 +1,5 @@
 //! What must hold of every filter run, whatever the numbers: symmetry, equivariance, invariance.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
 use kfgpu::data::{Log, Table, Trajectory};
 use kfgpu::evaluate::{CpuEvaluator, CpuOptions, Evaluator, Population};
 use kfgpu::model::Problem;

@@ -1,0 +1,59 @@
+//! `kfgpu compare`: runs side by side.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail};
+use clap::Args;
+
+use super::Ending;
+use super::console::Console;
+use super::{files, results};
+use crate::report::{Comparison, Run};
+
+/// Put the results of runs side by side: parameters, objectives, consistency and cost of the search.
+///
+/// A run is a folder that `tune --out` wrote, or its result.json. Where runs did not score the same rows in the same way
+/// (another log, other objectives, another split) it says so, and names no best one.
+#[derive(Debug, Args)]
+pub(super) struct Compare {
+    /// Run folders, or result.json files, at least two; the others are compared with the first.
+    #[arg(required = true, num_args = 2.., value_name = "RUN")]
+    runs: Vec<PathBuf>,
+
+    /// Print the comparison as one JSON object on stdout (default: a table), for programs.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Compare {
+    pub(super) fn run(&self, _console: Console) -> anyhow::Result<Ending> {
+        let runs = self.runs.iter().map(|path| open(path)).collect::<anyhow::Result<Vec<Run>>>()?;
+        let comparison = Comparison::of(runs)?;
+        if self.json {
+            files::print_json(&comparison)?;
+        } else {
+            files::print(&comparison.to_string())?;
+        }
+        Ok(Ending::Done)
+    }
+}
+
+fn open(path: &Path) -> anyhow::Result<Run> {
+    let shown = path.display();
+    let file = if path.is_dir() { path.join(results::RESULT) } else { path.to_path_buf() };
+    if path.is_dir() && !file.exists() {
+        bail!(
+            "{shown}: is not the folder of a finished run, because it has no {} (name a folder that `tune --out` wrote)",
+            results::RESULT
+        );
+    }
+    if !file.is_file() {
+        bail!("{shown}: no such run (name a folder that `tune --out` wrote, or its {})", results::RESULT);
+    }
+    let bytes = fs::read(&file).with_context(|| format!("cannot read {}", file.display()))?;
+    let text = String::from_utf8(bytes)
+        .ok()
+        .with_context(|| format!("{}: is not text (name a folder that `tune --out` wrote)", file.display()))?;
+    Ok(Run::read(&text, &shown.to_string(), &file.display().to_string())?)
+}

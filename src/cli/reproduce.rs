@@ -1,0 +1,157 @@
+//! `kfgpu reproduce`: published studies run again.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde::Serialize;
+
+use super::Ending;
+use super::console::Console;
+use super::files::{self, OutFolder};
+use super::options;
+use crate::reproduce::{self, Options, Progress, PublishedStudy, Reproduction, STUDIES, Target};
+
+/// Run a published study again: its table beside ours, and targets that pass or fail (exit code 1 if one fails).
+///
+/// Studies: kf-pio (measurement noise by pigeons against particles), or all of them.
+#[derive(Debug, Args)]
+pub(super) struct Reproduce {
+    /// Study, or `all`.
+    name: String,
+
+    /// Fewer repetitions, and wider tolerances where the smaller sample needs them (default: the full study); the
+    /// result says what was left out.
+    #[arg(long)]
+    quick: bool,
+
+    /// Seed of the drawn data and of every search; the same seed gives the same numbers on any number of threads.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+
+    /// Threads that data sets are spread over (default: one per core). No result depends on it.
+    #[arg(long, value_name = "N", value_parser = options::threads)]
+    threads: Option<NonZeroUsize>,
+
+    /// Folder for report.md, its figures (SVG), the tables and every number behind them (CSV) and result.json
+    /// (default: none is written); with `all`, one folder a study in it.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// Print the result as one JSON object on stdout (default: tables), for programs.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Several studies as one JSON object.
+#[derive(Debug, Serialize)]
+struct All<'a> {
+    name: &'static str,
+    pass: bool,
+    targets: Vec<Target>,
+    quick: bool,
+    wall_s: f64,
+    studies: &'a [Reproduction],
+}
+
+impl Reproduce {
+    pub(super) fn run(&self, console: Console) -> anyhow::Result<Ending> {
+        let studies: Vec<&PublishedStudy> =
+            if self.name == "all" { STUDIES.iter().collect() } else { vec![reproduce::published(&self.name)?] };
+        let folders = self.folders(&studies)?;
+        let options = Options { seed: self.seed, quick: self.quick, threads: self.threads };
+        let mut results = Vec::with_capacity(studies.len());
+        for (study, folder) in studies.iter().zip(&folders) {
+            let result = study.run(&options, &Bar::new(console, study.name)?)?;
+            if let Some(folder) = folder {
+                write(folder, &result)?;
+            }
+            if !self.json {
+                files::print(&result.to_string())?;
+            }
+            results.push(result);
+        }
+        match results.as_slice() {
+            _ if !self.json => {}
+            [one] if self.name != "all" => files::print_json(one)?,
+            several => files::print_json(&all(several, self.quick))?,
+        }
+        let passes = results.iter().all(Reproduction::passes);
+        Ok(if passes { Ending::Done } else { Ending::NotUsable })
+    }
+
+    /// A folder a study, tried before any work starts.
+    fn folders(&self, studies: &[&PublishedStudy]) -> anyhow::Result<Vec<Option<OutFolder>>> {
+        let folder_of = |study: &&PublishedStudy| {
+            let path = |out: &PathBuf| if self.name == "all" { out.join(study.name) } else { out.clone() };
+            self.out.as_ref().map(|out| OutFolder::prepare(&path(out))).transpose()
+        };
+        studies.iter().map(folder_of).collect()
+    }
+}
+
+fn all(studies: &[Reproduction], quick: bool) -> All<'_> {
+    let named = |study: &Reproduction| {
+        let name = study.name;
+        study
+            .targets
+            .clone()
+            .into_iter()
+            .map(move |target| Target { name: format!("{name}: {}", target.name), ..target })
+    };
+    All {
+        name: "all",
+        pass: studies.iter().all(Reproduction::passes),
+        targets: studies.iter().flat_map(named).collect(),
+        quick,
+        wall_s: studies.iter().map(|study| study.wall_s).sum(),
+        studies,
+    }
+}
+
+fn write(folder: &OutFolder, result: &Reproduction) -> anyhow::Result<()> {
+    let figures: Vec<String> = result.figures.iter().map(|figure| format!("{}.svg", figure.name)).collect();
+    for (figure, name) in result.figures.iter().zip(&figures) {
+        folder.write(name, |out| Ok(out.write_all(figure.svg.as_bytes())?))?;
+    }
+    let targets = result.target_table();
+    for table in [&targets, &result.table].into_iter().chain(&result.tables).chain(&result.data) {
+        folder.write(&format!("{}.csv", table.name), |out| Ok(table.write_csv(out)?))?;
+    }
+    folder.write("report.md", |out| Ok(out.write_all(result.markdown(&figures).as_bytes())?))?;
+    folder.write("result.json", |out| {
+        serde_json::to_writer(&mut *out, result)?;
+        Ok(out.write_all(b"\n")?)
+    })
+}
+
+/// A bar over data sets, or nothing where nobody watches.
+#[derive(Debug)]
+struct Bar(ProgressBar);
+
+impl Bar {
+    fn new(console: Console, study: &'static str) -> anyhow::Result<Self> {
+        let target = if console.shows_progress() { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+        let bar = ProgressBar::with_draw_target(Some(0), target);
+        bar.set_style(ProgressStyle::with_template("{prefix} {bar:16} {pos}/{len} data sets, {eta} left")?);
+        bar.set_prefix(study);
+        Ok(Self(bar))
+    }
+}
+
+impl Progress for Bar {
+    fn begin(&self, steps: usize) {
+        self.0.set_length(steps as u64);
+    }
+
+    fn advance(&self) {
+        self.0.inc(1);
+    }
+}
+
+impl Drop for Bar {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}

@@ -1,0 +1,93 @@
+//! The `[filter]` table.
+
+use super::{SOUND, check, error};
+use crate::model::{FilterKind, Problem};
+
+#[test]
+fn kinds_and_settings() {
+    check(&[
+        (
+            "\"kalman\"",
+            "\"sage-hussa\"",
+            "\"sage-hussa\"",
+            "23:8: `filter.kind` names the filter `sage-hussa`, which does not exist: did you mean `sage-husa`? (known: `kalman`, `sage-husa`, `sage-husa-r`, `fuzzy`)",
+        ),
+        (
+            "\"kalman\"",
+            "\"sage-husa\"\nforgeting = 0.9",
+            "forgeting",
+            "24:1: unknown key `forgeting` in [filter]: did you mean `forgetting`? (known: `kind`, `forgetting`)",
+        ),
+        (
+            "\"kalman\"",
+            "\"sage-husa\"\nforgetting = 1.5",
+            "1.5",
+            "24:14: `filter.forgetting` is 1.5: expected a number above 0, up to 1 at the start values",
+        ),
+        (
+            "\"kalman\"",
+            "\"sage-husa-r\"\nfloor = \"v\"",
+            "v",
+            "24:10: the state `v` cannot stand in filter.floor, which may use parameters",
+        ),
+        (
+            "\"kalman\"",
+            "\"fuzzy\"\nwindow = 0",
+            "0",
+            "24:10: `filter.window` is 0: expected a whole number from 1 to 128",
+        ),
+        (
+            "\"kalman\"",
+            "\"fuzzy\"\nwindow = \"q\"",
+            "\"q\"",
+            "24:10: `filter.window`: expected a whole number, found the string \"q\"",
+        ),
+        (
+            "\"kalman\"",
+            "\"fuzzy\"\ngain = \"q\"",
+            "\"q\"",
+            "24:8: `filter.gain` is 1: expected a number from 0 to below 1 at the start values",
+        ),
+        (
+            "\"kalman\"",
+            "\"kalman\"\nforgetting = 0.9",
+            "forgetting",
+            "24:1: unknown key `forgetting` in [filter] (known: `kind`)",
+        ),
+    ]);
+}
+
+#[test]
+fn what_adapts_r_needs_a_diagonal_one() {
+    let two = |kind: &str| {
+        let text = SOUND.replace("[\"z\"]", "[\"z\", \"w\"]").replace("h = [\"p\"]", "h = [\"p\", \"p\"]");
+        text.replace("{ z = \"r\" }", "[[\"r\"], [1, \"r\"]]").replace("\"kalman\"", kind)
+    };
+    for kind in ["sage-husa-r", "fuzzy"] {
+        let first = error(&two(&format!("\"{kind}\""))).to_string();
+        let expected = format!(
+            "p.toml:23:8: `filter.kind`: \"{kind}\" adapts the variance of each measurement by itself and needs a \
+             diagonal R: give R as a list of variances"
+        );
+        assert_eq!(first.lines().next(), Some(expected.as_str()));
+    }
+    Problem::parse(&two("\"sage-husa\""), "p.toml").unwrap_or_else(|e| panic!("any R goes with an adapted Q: {e}"));
+}
+
+#[test]
+fn settings_have_the_defaults_of_the_study() {
+    let filter = |kind: &str| Problem::parse(&SOUND.replace("\"kalman\"", kind), "p.toml").unwrap().filter;
+    let values = |filter: &FilterKind| filter.settings().iter().map(|s| (s.key, s.value(&[]))).collect::<Vec<_>>();
+    for (name, expected) in [
+        ("kalman", vec![]),
+        ("sage-husa", vec![("forgetting", 0.98)]),
+        ("sage-husa-r", vec![("forgetting", 0.98), ("floor", 0.01)]),
+        ("fuzzy", vec![("gain", 0.1), ("width", 0.5)]),
+    ] {
+        let filter = filter(&format!("\"{name}\""));
+        assert_eq!((filter.name(), values(&filter)), (name, expected));
+        assert_eq!(filter.is_adaptive(), name != "kalman", "{name}");
+    }
+    assert!(matches!(filter("\"fuzzy\""), FilterKind::Fuzzy { window: 15, .. }), "fifteen squared innovations");
+    assert!(FilterKind::NAMES.contains(&"fuzzy"), "every name has a kind");
+}

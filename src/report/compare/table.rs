@@ -1,0 +1,100 @@
+//! The comparison as a table: one column a run.
+
+use super::{Comparison, Run};
+use crate::report::{TextTable, count, seconds, short, significant};
+
+/// Digits of parameters and objectives.
+const DIGITS: usize = 8;
+
+pub(super) fn of(comparison: &Comparison) -> TextTable {
+    let runs = &comparison.runs;
+    let row = |label: &str, cell: &dyn Fn(&Run) -> String| {
+        [label.to_owned()].into_iter().chain(runs.iter().map(cell)).collect::<Vec<_>>()
+    };
+    let mut rows = vec![row("", &|run| run.path.clone())];
+    rows.push(row("problem", &|run| run.problem.clone()));
+    rows.push(row("search", &|run| format!("{}, seed {}", run.algorithm, run.seed)));
+    for (name, unit) in parameters(runs) {
+        let value = |run: &Run| run.parameters.get(&name).map_or_else(|| "-".to_owned(), |v| short(*v, DIGITS));
+        rows.push(row(&format!("{name}{unit}"), &value));
+    }
+    for name in union(runs.iter().map(|run| run.objectives.iter().map(|(name, _)| name).collect())) {
+        rows.push(objective(comparison, &name, false));
+        if runs.iter().any(|run| run.validation.is_some()) {
+            rows.push(objective(comparison, &name, true));
+        }
+    }
+    rows.push(row("mean NIS", &nis));
+    rows.push(row("judged on", &|run| {
+        if run.consistency_on == "held_out" { "held-out rows" } else { "in-sample" }.into()
+    }));
+    rows.push(row("verdict", &|run| run.consistency.verdict.replace('_', " ")));
+    if runs.iter().any(|run| run.validation.is_some()) {
+        rows.push(row("against baseline, held out", &against_baseline));
+    }
+    if runs.iter().any(|run| run.feasible == Some(false)) {
+        rows.push(row("constraints", &|run| if run.feasible == Some(false) { "not met" } else { "met" }.into()));
+    }
+    rows.push(row("evaluations", &|run| count(run.evaluations)));
+    rows.push(row("time", &|run| seconds(run.wall_s)));
+    rows.push(row("device", &|run| format!("{} {}", run.device.backend, run.device.precision)));
+    TextTable::of_rows(rows)
+}
+
+fn objective(comparison: &Comparison, name: &str, held_out: bool) -> Vec<String> {
+    let best = if held_out { &comparison.best_held_out } else { &comparison.best };
+    let best = best.get(name).copied().flatten();
+    let validated = comparison.runs.iter().any(|run| run.validation.is_some());
+    let part = match (held_out, validated) {
+        (true, _) => ", held out",
+        (false, true) => ", training",
+        (false, false) => "",
+    };
+    let cell = |(i, run): (usize, &Run)| {
+        let failed = held_out && run.validation.as_ref().is_some_and(|v| v.winner.is_none());
+        let star = if best == Some(i) { " *" } else { "" };
+        match run.objective(name, held_out) {
+            Some(value) => format!("{}{star}", significant(value, DIGITS)),
+            None => if failed { "failed" } else { "-" }.to_owned(),
+        }
+    };
+    [format!("{name}{part}")].into_iter().chain(comparison.runs.iter().enumerate().map(cell)).collect()
+}
+
+fn nis(run: &Run) -> String {
+    let c = &run.consistency;
+    let (Some(mean), Some(low), Some(high)) = (c.nis_mean, c.nis_low, c.nis_high) else { return "-".to_owned() };
+    format!("{} (band {low:.3}..{high:.3})", short(mean, 4))
+}
+
+fn against_baseline(run: &Run) -> String {
+    match &run.validation {
+        None => "-",
+        Some(v) if v.winner.is_none() => "fails",
+        Some(v) if v.worse => "worse",
+        Some(v) if v.baseline.is_none() => "baseline fails",
+        Some(_) => "no worse",
+    }
+    .to_owned()
+}
+
+/// Every parameter of any run, with its unit.
+fn parameters(runs: &[Run]) -> Vec<(String, String)> {
+    let unit = |name: &str| {
+        let unit = runs.iter().find_map(|run| run.units.get(name).cloned().flatten());
+        unit.map_or_else(String::new, |unit| format!(" [{unit}]"))
+    };
+    let names = union(runs.iter().map(|run| run.parameters.iter().map(|(name, _)| name).collect()));
+    names.into_iter().map(|name| (name.clone(), unit(&name))).collect()
+}
+
+/// Names in the order of their first appearance.
+fn union<'a>(lists: impl Iterator<Item = Vec<&'a str>>) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for name in lists.flatten() {
+        if !names.iter().any(|known| known == name) {
+            names.push(name.to_owned());
+        }
+    }
+    names
+}

@@ -1,0 +1,127 @@
+//! The verdict of a study in words, before any table.
+
+use super::plain;
+use crate::report::validation::improvement_text;
+use crate::report::{Rows, Tuning, Verdict, short, significant};
+
+/// What was done, what came of it, and whether to use it.
+pub(super) fn of(tuning: &Tuning) -> Option<String> {
+    let parts = [
+        format!("## Verdict\n\n**{}**", recommendation(tuning)),
+        what_was_done(tuning),
+        gain(tuning),
+        held_out(tuning),
+        consistency(tuning),
+    ];
+    Some(parts.join("\n\n"))
+}
+
+/// One sentence on what to do, the gravest reason first.
+fn recommendation(tuning: &Tuning) -> String {
+    let trusted = tuning.certificate.order_held;
+    let validated = tuning.validation.as_ref();
+    let improved = improved(tuning);
+    if validated.is_some_and(|v| v.winner.is_none()) {
+        "Do not use the tuned parameters: the filter fails on data that it was not tuned on.".to_owned()
+    } else if !tuning.feasible {
+        "Do not use the tuned parameters as they are: no candidate meets every constraint.".to_owned()
+    } else if validated.is_some_and(|v| v.worse) {
+        "Keep your own parameters: the tuned ones are worse than yours on held-out data.".to_owned()
+    } else if !improved {
+        "Keep your own parameters: the search found none that are better.".to_owned()
+    } else if !trusted {
+        "Check before use: double and single precision rank the best candidates differently.".to_owned()
+    } else if !tuning.consistency.is_consistent() {
+        let headline = tuning.consistency.verdict;
+        format!("The tuned parameters are better than yours, but the filter is not yet right: {headline}.")
+    } else if validated.is_some() {
+        "Use the tuned parameters: they are no worse than yours on data they were not tuned on, and the filter is \
+         consistent there."
+            .to_owned()
+    } else {
+        "The tuned parameters are better than yours and the filter is consistent; both were judged on the rows that were \
+         tuned on (hold some out with `--validate` to be sure)."
+            .to_owned()
+    }
+}
+
+/// Whether the winner is below the baseline under some objective.
+fn improved(tuning: &Tuning) -> bool {
+    let Some(baseline) = &tuning.effort.baseline.objectives else { return true };
+    tuning.objectives.iter().any(|(name, tuned)| baseline.get(name).is_none_or(|yours| tuned < yours))
+}
+
+fn what_was_done(tuning: &Tuning) -> String {
+    let effort = &tuning.effort;
+    let names: Vec<String> = tuning.objectives.iter().map(|(name, _)| format!("`{name}`")).collect();
+    let count = tuning.parameters.iter().len();
+    let parameters = if count == 1 { "one parameter".to_owned() } else { format!("{count} parameters") };
+    let rows = match &tuning.validation {
+        None => "every row of it".to_owned(),
+        Some(v) if v.fresh => format!("{} realisations of it", v.train.trajectories),
+        Some(v) => format!("{} of its rows", v.train.rows),
+    };
+    format!(
+        "A Kalman filter estimates states from noisy measurements, and is only as good as the noise it assumes. Here {parameters} \
+         of the filter in `{}` were searched on the log `{}`, {rows}, so that {} {} as small as possible. \"Start\" stands \
+         for the values that the problem file gives, \"tuned\" for the best found.",
+        effort.problem,
+        effort.log.source,
+        names.join(" and "),
+        if names.len() == 1 { "is" } else { "are" },
+    )
+}
+
+fn gain(tuning: &Tuning) -> String {
+    let part = |(name, tuned): (&str, &f64)| {
+        let start = tuning.effort.baseline.objectives.as_ref().and_then(|o| o.get(name));
+        let tuned = significant(*tuned, 6);
+        match start {
+            Some(start) => format!("`{name}` goes from {} to {tuned}", significant(*start, 6)),
+            None => format!("`{name}` is {tuned}, and the filter with the start values fails"),
+        }
+    };
+    let parts: Vec<String> = tuning.objectives.iter().map(part).collect();
+    let on = if tuning.validation.is_some() { "On the rows tuned on, " } else { "On this log, " };
+    format!("{on}{} (lower is better).", parts.join("; "))
+}
+
+fn held_out(tuning: &Tuning) -> String {
+    let Some(validation) = &tuning.validation else {
+        return "Nothing was held out: every number here is of the rows that were tuned on, and a filter always looks \
+                best on those."
+            .to_owned();
+    };
+    let gap = |(name, gap): (&str, &Option<f64>)| format!("`{name}` {}", improvement_text(name, *gap));
+    let gaps: Vec<String> = validation.overfit_gap.iter().map(gap).collect();
+    format!(
+        "{} In detail: {}. The overfit gap, the improvement on the rows tuned on less that on the held-out rows, is {}.",
+        validation.sentence(),
+        plain(&validation.to_string()).replace("\\`", "`"),
+        gaps.join("; ")
+    )
+}
+
+fn consistency(tuning: &Tuning) -> String {
+    let c = &tuning.consistency;
+    let meaning = match c.verdict {
+        Verdict::Consistent => "the errors are as large as the filter says they are, and carry no pattern",
+        Verdict::Overconfident => "the errors are larger than the filter says they are",
+        Verdict::Underconfident => "the errors are smaller than the filter says they are",
+        Verdict::InnovationsCorrelated => {
+            "each error tells something of the next, which a filter with the right model would have used"
+        }
+        Verdict::ParameterAtBound => "a parameter stopped where its bound is, not where it is best",
+        Verdict::TooFewInnovations => "the log is too short to tell",
+        _ => "see the section on consistency",
+    };
+    let on = if tuning.consistency_on == Rows::HeldOut { "held-out rows" } else { "the rows tuned on" };
+    format!(
+        "Judged on {on}, the tuned filter is: **{}** ({meaning}). Its mean NIS is {}, and 95 % of right filters have one \
+         between {} and {}.",
+        c.verdict,
+        short(c.nis_mean, 4),
+        short(c.nis_low, 4),
+        short(c.nis_high, 4)
+    )
+}

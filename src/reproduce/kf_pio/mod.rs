@@ -1,0 +1,298 @@
+//! The KF-PIO study: R of a planar filter searched by pigeons and by particles, scored against the truth.
+//!
+//! The receiver of an aerial refuelling tracks a tanker whose moves it knows and whose position it measures. J is the
+//! distance between estimate and truth summed over the track, and R = M M' is searched.
+
+#[cfg(feature = "figures")]
+mod figures;
+mod findings;
+mod optimum;
+mod oracle;
+mod scenario;
+mod search;
+mod tables;
+mod targets;
+
+use std::num::NonZero;
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use super::{Options, Progress, PublishedStudy, ReproduceError, Reproduction, seed_of};
+use crate::data::Log;
+use crate::evaluate::{CpuEvaluator, CpuOptions, Device, Evaluator as _, Population, Precision};
+use crate::model::Problem;
+use crate::optimize::random::{Purpose, Stream};
+use crate::optimize::{pio, pso};
+use oracle::{Noise, Spectrum};
+use scenario::Bounds;
+use search::{Ground, Method, Run};
+
+/// The row of the registry.
+pub(super) const STUDY: PublishedStudy = PublishedStudy {
+    name: "kf-pio",
+    about: "measurement noise of a tracking filter by pigeon-inspired optimisation, against particle swarms",
+    paper: "Zhao, Deng, Wei, Hu, Duan, Luo: A Kalman Filtering Algorithm Based on Pigeon-inspired Optimization for \
+            Target Tracking in Autonomous Aerial Refueling",
+    run,
+};
+
+/// How much is run, and with which pigeons.
+#[derive(Debug, Clone)]
+struct Plan {
+    /// Data sets that are tuned on.
+    data_sets: u64,
+    /// Data sets that the untuned filter alone is scored on.
+    untuned: u64,
+    /// Random M that tape, reference and oracle are compared on.
+    matrices: u64,
+    /// Local searches a data set.
+    local_searches: u64,
+    /// Fresh realisations a data set.
+    fresh: u64,
+    /// The published pigeons.
+    pio: pio::Rules,
+    /// The swarm they are compared with.
+    pso: pso::Rules,
+}
+
+/// Values of r beside the published 0.2.
+const SWEEP: [f64; 5] = [0.1, 0.05, 0.02, 0.01, 0.0];
+
+/// Boxes that searches are clipped to, beside the free search.
+const BOXES: [Bounds; 2] = [Bounds::Box(-50.0, 50.0), Bounds::Box(0.0, 3.162_277_660_168_379_5)];
+
+/// rho of the fixed R = rho I that held-out scores are compared with.
+const FIXED: f64 = 50.0;
+
+impl Plan {
+    const FULL: Self = Self {
+        data_sets: 30,
+        untuned: 1000,
+        matrices: 1000,
+        local_searches: 20,
+        fresh: 40,
+        pio: pio::PUBLISHED,
+        pso: pso::CONSTRICTION,
+    };
+
+    const QUICK: Self = Self { data_sets: 10, untuned: 250, matrices: 200, ..Self::FULL };
+
+    /// What this plan leaves out of the full one, in words.
+    fn reduced(&self) -> Option<String> {
+        (self.data_sets < Self::FULL.data_sets).then(|| {
+            format!(
+                "{} data sets in place of {}, {} untuned tracks in place of {}, {} random M in place of {}; intervals \
+                 are as wide as the smaller sample needs, and counts ask for all but one.",
+                self.data_sets,
+                Self::FULL.data_sets,
+                self.untuned,
+                Self::FULL.untuned,
+                self.matrices,
+                Self::FULL.matrices
+            )
+        })
+    }
+}
+
+/// Everything found on one data set.
+#[derive(Debug, Clone)]
+struct DataSet {
+    index: u64,
+    /// J at R = I.
+    untuned: f64,
+    pio: Run,
+    printed: Run,
+    plus: Run,
+    pso: Run,
+    /// Pigeons with the r of [`SWEEP`].
+    sweep: Vec<Run>,
+    /// Pigeons and particles in the boxes of [`BOXES`].
+    boxed: Vec<(Run, Run)>,
+    /// Least J of independent local searches.
+    optimum: f64,
+    /// Mean J over fresh realisations.
+    held_out: HeldOut,
+}
+
+/// Sums of J over fresh realisations of the track.
+#[derive(Debug, Clone, Copy)]
+struct HeldOut {
+    untuned: f64,
+    pio: f64,
+    pso: f64,
+    /// R = [`FIXED`] I.
+    fixed: f64,
+}
+
+impl DataSet {
+    fn methods(&self) -> [(&'static str, &Run); 4] {
+        [("KF-PIO", &self.pio), ("KF-PIO printed", &self.printed), ("KF-PIO+", &self.plus), ("KF-PSO", &self.pso)]
+    }
+}
+
+/// All that targets, tables and figures are made from.
+#[derive(Debug)]
+struct Results {
+    plan: Plan,
+    seed: u64,
+    /// J of the untuned filter, one a track.
+    untuned: Vec<f64>,
+    /// Largest relative difference of J over random M: tape and reference against the oracle.
+    oracle_gap: f64,
+    data_sets: Vec<DataSet>,
+    device: Device,
+}
+
+fn run(options: &Options, progress: &dyn Progress) -> Result<Reproduction, ReproduceError> {
+    let clock = Instant::now();
+    let plan = if options.quick { Plan::QUICK } else { Plan::FULL };
+    let bench = Bench::new()?;
+    let results = Results::compute(&bench, plan, options.seed, progress)?;
+    let mut report = results.report();
+    #[cfg(feature = "figures")]
+    if let Some(shown) = results.shown(&bench)? {
+        report.figures = shown.figures()?;
+        report.data.push(shown.table());
+    }
+    report.wall_s = clock.elapsed().as_secs_f64();
+    Ok(report)
+}
+
+impl Results {
+    fn compute(bench: &Bench, plan: Plan, seed: u64, progress: &dyn Progress) -> Result<Self, ReproduceError> {
+        progress.begin(usize::try_from(plan.data_sets).unwrap_or(usize::MAX));
+        let one = |index| {
+            let found = bench.data_set(&plan, seed, index);
+            progress.advance();
+            found
+        };
+        let data_sets = (0..plan.data_sets).into_par_iter().map(one).collect::<Result<_, _>>()?;
+        let untuned =
+            (0..plan.untuned).into_par_iter().map(|index| bench.untuned(seed, index)).collect::<Result<_, _>>()?;
+        let oracle_gap = bench.oracle_gap(&plan, seed)?;
+        Ok(Self { device: bench.device(seed)?, plan, seed, untuned, oracle_gap, data_sets })
+    }
+
+    fn report(&self) -> Reproduction {
+        Reproduction {
+            name: STUDY.name,
+            summary:
+                "R = M M' of a planar Kalman filter tuned on one noisy track, scored by J = the sum of |estimate - \
+                      truth| over its 50 rows. Every J of a tuned filter is in-sample unless called held-out."
+                    .to_owned(),
+            paper: STUDY.paper,
+            reduced: self.plan.reduced(),
+            seed: self.seed,
+            targets: self.targets(),
+            table: self.summary_table(),
+            tables: self.tables(),
+            findings: self.findings(),
+            readings: findings::readings(),
+            data: self.data(),
+            figures: Vec::new(),
+            device: self.device.clone(),
+            wall_s: 0.0,
+        }
+    }
+
+    /// The ratio of two numbers over all data sets.
+    fn ratios(&self, of: impl Fn(&DataSet) -> f64, to: impl Fn(&DataSet) -> f64) -> Vec<f64> {
+        self.data_sets.iter().map(|set| of(set) / to(set)).collect()
+    }
+
+    /// One number over all data sets.
+    fn each(&self, of: impl Fn(&DataSet) -> f64) -> Vec<f64> {
+        self.data_sets.iter().map(of).collect()
+    }
+}
+
+/// The problems of the study: the same filter in different boxes.
+struct Bench {
+    free: Problem,
+    boxed: Vec<Problem>,
+}
+
+/// Data sets run side by side, each on one thread.
+const ONE_THREAD: CpuOptions = CpuOptions { precision: Precision::F64, threads: Some(NonZero::<usize>::MIN) };
+
+impl Bench {
+    fn new() -> Result<Self, ReproduceError> {
+        let boxed = BOXES.iter().map(|bounds| scenario::problem(*bounds)).collect::<Result<_, _>>()?;
+        Ok(Self { free: scenario::problem(Bounds::Free)?, boxed })
+    }
+
+    /// Where costs are computed: one thread a data set, on all threads of the pool.
+    fn device(&self, seed: u64) -> Result<Device, ReproduceError> {
+        let all = CpuOptions { threads: NonZero::new(rayon::current_num_threads()), ..ONE_THREAD };
+        Ok(CpuEvaluator::new(&self.free, &scenario::log(seed, 0), all)?.device())
+    }
+
+    fn evaluator(&self, log: &Log) -> Result<CpuEvaluator, ReproduceError> {
+        Ok(CpuEvaluator::new(&self.free, log, ONE_THREAD)?)
+    }
+
+    /// J of some M on a log.
+    fn scores(&self, log: &Log, factors: &[&[f64]]) -> Result<Vec<f64>, ReproduceError> {
+        let costs = self.evaluator(log)?.evaluate(&Population::from_rows(4, factors.concat()));
+        Ok((0..factors.len()).map(|i| costs.costs(i)[0]).collect())
+    }
+
+    fn untuned(&self, seed: u64, index: u64) -> Result<f64, ReproduceError> {
+        Ok(self.scores(&scenario::log(seed, index), &[&scenario::UNTUNED])?[0])
+    }
+
+    fn data_set(&self, plan: &Plan, seed: u64, index: u64) -> Result<DataSet, ReproduceError> {
+        let log = scenario::log(seed, index);
+        let mut evaluator = self.evaluator(&log)?;
+        let mut ground = Ground { data_set: index, log: &log, evaluator: &mut evaluator };
+        // The same seed for all: every method starts from the same population.
+        let search_seed = seed_of(seed, index, 0);
+        let mut search = |problem: &Problem, method| search::run(&mut ground, problem, method, search_seed);
+        let swarm = Method::Pso(plan.pso);
+        let pio = search(&self.free, Method::Pio(plan.pio))?;
+        let printed = search(&self.free, Method::Pio(pio::PRINTED))?;
+        let plus = search(&self.free, Method::Pio(pio::PLUS))?;
+        let pso = search(&self.free, swarm)?;
+        let with_r = |r| Method::Pio(pio::Rules { r, ..plan.pio });
+        let sweep = SWEEP.iter().map(|r| search(&self.free, with_r(*r))).collect::<Result<_, _>>()?;
+        let both = |problem| Ok((search(problem, Method::Pio(plan.pio))?, search(problem, swarm)?));
+        let boxed = self.boxed.iter().map(both).collect::<Result<_, ReproduceError>>()?;
+        let noise = Noise::of(&log.trajectories[0]);
+        let optimum = optimum::search(&noise, plan.local_searches, seed_of(seed, index, 1))?;
+        let held_out = self.held_out(&scenario::fresh(seed, index, plan.fresh), &pio, &pso)?;
+        let untuned = self.untuned(seed, index)?;
+        Ok(DataSet { index, untuned, pio, printed, plus, pso, sweep, boxed, optimum, held_out })
+    }
+
+    fn held_out(&self, fresh: &Log, pio: &Run, pso: &Run) -> Result<HeldOut, ReproduceError> {
+        let fixed = scenario::UNTUNED.map(|m| m * FIXED.sqrt());
+        let scores = self.scores(fresh, &[&scenario::UNTUNED, &pio.factor, &pso.factor, &fixed])?;
+        Ok(HeldOut { untuned: scores[0], pio: scores[1], pso: scores[2], fixed: scores[3] })
+    }
+
+    /// The tape and the reference against the oracle, half the M from the start box, half from [-50, 50].
+    fn oracle_gap(&self, plan: &Plan, seed: u64) -> Result<f64, ReproduceError> {
+        let log = scenario::log(seed, 0);
+        let noise = Noise::of(&log.trajectories[0]);
+        let factors: Vec<[f64; 4]> = (0..plan.matrices).map(|index| random_factor(seed, index)).collect();
+        let rows: Vec<&[f64]> = factors.iter().map(<[f64; 4]>::as_slice).collect();
+        let tape = self.scores(&log, &rows)?;
+        let gap = |(m, tape): (&&[f64], &f64)| {
+            let exact = noise.score(&Spectrum::of_factor(m));
+            let reference = crate::reference::costs(&self.free, &log, m).map_or(f64::NAN, |costs| costs[0]);
+            let gaps = [tape / exact - 1.0, reference / exact - 1.0].map(f64::abs);
+            if gaps.iter().any(|g| g.is_nan()) { f64::INFINITY } else { gaps[0].max(gaps[1]) }
+        };
+        Ok(rows.par_iter().zip(&tape).map(gap).reduce(|| 0.0, f64::max))
+    }
+}
+
+fn random_factor(seed: u64, index: u64) -> [f64; 4] {
+    let mut stream = Stream::new(seed, Purpose::Workload, u64::MAX, index);
+    let [low, high] = if index.is_multiple_of(2) { [0.0, 10.0_f64.sqrt()] } else { [-50.0, 50.0] };
+    std::array::from_fn(|_| low + stream.uniform() * (high - low))
+}
+
+#[cfg(test)]
+mod tests;

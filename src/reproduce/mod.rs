@@ -1,0 +1,204 @@
+//! Published studies run again: our numbers beside the paper's, and targets that pass or fail.
+//!
+//! A study is a folder and a row of [`STUDIES`]. It draws its own data, runs on the machinery that every problem file
+//! runs on, and hands back a [`Reproduction`]: targets (gated), tables and findings (printed, not gated), figures.
+//! Everything but times depends on the seed alone.
+
+mod kf_pio;
+mod moma;
+mod reproduction;
+mod statistics;
+mod table;
+mod target;
+
+use std::num::NonZero;
+
+use rand::TryRng as _;
+
+use crate::data::SimulateError;
+use crate::evaluate::BuildError;
+use crate::model::ProblemError;
+use crate::optimize::OptimizeError;
+use crate::optimize::random::{Purpose, Stream};
+use crate::reference::Failure;
+#[cfg(feature = "figures")]
+use crate::report::figures::FigureError;
+use crate::study::StudyError;
+
+pub use reproduction::{Figure, Reproduction};
+pub use table::{Cell, Table};
+pub use target::{Required, Target};
+
+/// One row of [`STUDIES`].
+#[derive(Debug)]
+pub struct PublishedStudy {
+    /// Name on the command line.
+    pub name: &'static str,
+    /// What it is, in one line.
+    pub about: &'static str,
+    /// The paper, with its DOI where it has one.
+    pub paper: &'static str,
+    run: fn(&Options, &dyn Progress) -> Result<Reproduction, ReproduceError>,
+}
+
+/// Every study that can be reproduced.
+pub static STUDIES: &[PublishedStudy] = &[kf_pio::STUDY, moma::STUDY];
+
+/// How a study is run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Options {
+    /// Seed of data and searches.
+    pub seed: u64,
+    /// Fewer repetitions, with tolerances widened to suit them.
+    pub quick: bool,
+    /// Number of threads; `None` = one a core. It never changes a result.
+    pub threads: Option<NonZero<usize>>,
+}
+
+/// Watches a study: it is told how many steps there are, then of each that is done, from several threads.
+pub trait Progress: Sync {
+    /// `steps` steps begin.
+    fn begin(&self, steps: usize);
+    /// One more is done.
+    fn advance(&self);
+}
+
+/// Watches nothing.
+#[derive(Debug, Clone, Copy)]
+pub struct Silent;
+
+impl Progress for Silent {
+    fn begin(&self, _steps: usize) {}
+    fn advance(&self) {}
+}
+
+/// Why a study could not be run.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReproduceError {
+    /// No such name.
+    #[error("unknown study {name:?}{}: expected one of {}, or all", nearest.map(|n| format!(" (did you mean {n:?}?)")).unwrap_or_default(), names())]
+    UnknownStudy {
+        /// The name received.
+        name: String,
+        /// The known name nearest to it, where one is near.
+        nearest: Option<&'static str>,
+    },
+    /// The study's own problem was refused.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+    /// Its log could not be drawn.
+    #[error(transparent)]
+    Simulate(#[from] SimulateError),
+    /// The filter cannot be traced.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// An optimiser cannot be built.
+    #[error(transparent)]
+    Optimize(#[from] OptimizeError),
+    /// A search could not run.
+    #[error(transparent)]
+    Study(#[from] StudyError),
+    /// A search found nothing.
+    #[error("{what} found no usable candidate on data set {data_set}: every one failed")]
+    Nothing {
+        /// The search.
+        what: String,
+        /// Which data set, from 0.
+        data_set: u64,
+    },
+    /// The reference filter failed where a search had succeeded.
+    #[error("{what} of data set {data_set}: {failure}")]
+    Filter {
+        /// Which filter.
+        what: String,
+        /// Which data set, from 0.
+        data_set: u64,
+        /// Where and why.
+        failure: Failure,
+    },
+    /// A picture could not be drawn.
+    #[cfg(feature = "figures")]
+    #[error(transparent)]
+    Figure(#[from] FigureError),
+    /// The threads could not be started.
+    #[error("cannot start {threads} threads: {reason} (give fewer)")]
+    Threads {
+        /// How many.
+        threads: usize,
+        /// What the system says.
+        reason: String,
+    },
+}
+
+fn names() -> String {
+    STUDIES.iter().map(|study| study.name).collect::<Vec<_>>().join(", ")
+}
+
+/// The row of a name.
+///
+/// # Errors
+/// [`ReproduceError::UnknownStudy`] with the nearest known name.
+pub fn published(name: &str) -> Result<&'static PublishedStudy, ReproduceError> {
+    let nearest = || {
+        let known = STUDIES.iter().map(|study| study.name).chain(["all"]);
+        let distance = |known: &&str| strsim::damerau_levenshtein(known, name);
+        known.min_by_key(distance).filter(|known| distance(known) <= 3)
+    };
+    STUDIES
+        .iter()
+        .find(|study| study.name == name)
+        .ok_or_else(|| ReproduceError::UnknownStudy { name: name.to_owned(), nearest: nearest() })
+}
+
+impl PublishedStudy {
+    /// Runs the study, on as many threads as the options say.
+    ///
+    /// # Errors
+    /// If a search cannot run or finds nothing, or the threads cannot be started. A missed target is no error.
+    pub fn run(&self, options: &Options, progress: &dyn Progress) -> Result<Reproduction, ReproduceError> {
+        let threads = options.threads.map_or(0, NonZero::get);
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .map_err(|error| ReproduceError::Threads { threads, reason: error.to_string() })?;
+        pool.install(|| (self.run)(options, progress))
+    }
+}
+
+/// A seed for one search, so that no two data sets or studies of different seeds share a draw.
+fn seed_of(study: u64, data_set: u64, run: u64) -> u64 {
+    let Ok(seed) = Stream::new(study, Purpose::Workload, data_set, run).try_next_u64();
+    seed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unknown_name_is_refused_with_the_nearest() {
+        let error = published("kf-poi").unwrap_err().to_string();
+        assert!(
+            error.starts_with("unknown study \"kf-poi\" (did you mean \"kf-pio\"?): expected one of kf-pio"),
+            "{error}"
+        );
+        let error = published("what else").unwrap_err().to_string();
+        assert!(!error.contains("did you mean"), "{error}");
+    }
+
+    #[test]
+    fn names_are_distinct_and_none_is_all() {
+        let mut names: Vec<&str> = STUDIES.iter().map(|s| s.name).collect();
+        names.push("all");
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), STUDIES.len() + 1, "{names:?}");
+    }
+
+    #[test]
+    fn seeds_differ_by_study_data_set_and_run() {
+        let seeds = [seed_of(1, 0, 0), seed_of(2, 0, 0), seed_of(1, 1, 0), seed_of(1, 0, 1)];
+        assert!((0..4).all(|i| (0..i).all(|j| seeds[i] != seeds[j])), "{seeds:?}");
+    }
+}

@@ -1,0 +1,98 @@
+//! `kfgpu check`: exit codes for consistent and other filters.
+
+use crate::command::{Folder, LEVEL, level_log};
+
+/// A folder with `right.toml`, whose starts are what `log.csv` was simulated with, and `wrong.toml` with R too small.
+fn simulated() -> Folder {
+    let folder = Folder::new();
+    let drawn = LEVEL.replace("file = \"log.csv\"\n", "").replace("start = 1,", "start = 0.5,").replace("= 50", "= 4")
+        + "\n[simulate]\nsteps = 400\ndt = 1.0\nx0 = [3]\nseed = 5\n";
+    folder.write("simulated.toml", &drawn);
+    folder.run(&["simulate", "simulated.toml", "--out", "log.csv"]).expect(0);
+    let right = LEVEL.replace("start = 1,", "start = 0.5,").replace("start = 50", "start = 4");
+    folder.write("wrong.toml", right.replace("start = 4", "start = 1"));
+    folder.write("right.toml", right);
+    folder
+}
+
+#[test]
+fn the_filter_that_drew_the_log_passes() {
+    let folder = simulated();
+    let finished = folder.run(&["check", "right.toml", "--quiet"]).expect(0);
+    assert!(finished.stdout.ends_with("check passed\n"), "{}", finished.stdout);
+    assert_eq!(finished.stderr, "");
+    let json = folder.run(&["check", "right.toml", "--json"]).expect(0).json();
+    assert_eq!(json["pass"], true, "{json}");
+    let targets = json["targets"].as_array().unwrap();
+    assert_eq!(targets.len(), 2, "NIS, and one measurement: {json}");
+    for key in ["name", "required", "measured", "pass"] {
+        assert!(targets.iter().all(|target| !target[key].is_null()), "{key}: {json}");
+    }
+    assert_eq!(json["consistency"]["nis_distribution"]["rows"], 401, "{json}");
+    assert!(json["consistency"]["standard_errors"].is_null(), "nothing was tuned: {json}");
+}
+
+#[test]
+fn a_wrong_filter_fails_with_exit_code_1() {
+    let folder = simulated();
+    let finished = folder.run(&["check", "wrong.toml"]).expect(1);
+    assert!(finished.stdout.contains("FAIL") && finished.stdout.contains("overconfident"), "{}", finished.stdout);
+    assert!(finished.stdout.ends_with("check failed\n"), "{}", finished.stdout);
+    folder.run(&["check", "wrong.toml", "--parameters", "right.toml"]).expect(0);
+    folder.run(&["check", "right.toml", "--parameters", "wrong.toml"]).expect(1);
+}
+
+/// NIS may be right where the innovations are not white.
+#[test]
+fn correlated_innovations_fail() {
+    let folder = Folder::with_level();
+    folder.write("log.csv", level_log(400));
+    let json = folder.run(&["check", "problem.toml", "--json"]).expect(1).json();
+    assert_eq!(json["targets"][1]["pass"], false, "{json}");
+}
+
+#[test]
+fn another_log_is_checked_and_too_short_a_one_proves_nothing() {
+    let folder = simulated();
+    let log = folder.read("log.csv");
+    folder.run_with_input(&["check", "right.toml", "--data", "-"], &log).expect(0);
+    let short: String = log.lines().take(5).map(|line| format!("{line}\n")).collect();
+    let finished = folder.run_with_input(&["check", "right.toml", "--data", "-", "--json"], short).expect(1);
+    let json = finished.json();
+    assert_eq!(json["consistency"]["verdict"], "too_few_innovations", "{json}");
+    assert!(json["targets"][1]["measured"].is_null(), "{json}");
+    assert!(json["consistency"]["nis_distribution"]["p_value"].is_null(), "{json}");
+}
+
+#[test]
+fn broken_input_is_refused() {
+    let folder = Folder::with_level();
+    for (arguments, named) in [
+        (&["check", "nowhere.toml"][..], "nowhere.toml"),
+        (&["check", "problem.toml", "--data", "nowhere.csv"], "nowhere.csv"),
+        (&["check", "problem.toml", "--parameters", "nowhere.toml"], "nowhere.toml"),
+        (&["check", "log.csv"], "log.csv"),
+    ] {
+        let message = folder.run(arguments).refusal();
+        assert!(message.contains(named), "{arguments:?}: {message}");
+    }
+    folder.run(&["check"]).expect(2);
+    folder.write("log.csv", "t,z\n0,\n1,\n");
+    assert!(folder.run(&["check", "problem.toml"]).refusal().contains("log.csv"), "no measurement at all");
+}
+
+/// NEES takes the rows where truth of all states is; rmse takes each state's own.
+#[test]
+fn truth_may_have_gaps() {
+    let folder = Folder::with_level();
+    let with_truth = LEVEL.replace("measurements = [\"z\"]", "measurements = [\"z\"]\ntruth = { x = \"true\" }");
+    folder.write("problem.toml", with_truth);
+    folder.write("log.csv", "t,z,true\n0,1,1\n1,2,\n2,3,3\n3,4,nan\n4,,5\n");
+    let json = folder.run(&["check", "problem.toml", "--json"]).expect(1).json();
+    assert_eq!(json["consistency"]["nees"]["rows"], 3, "{json}");
+    folder.write("log.csv", "t,z,true\n0,1,\n1,2,\n2,3,\n");
+    let json = folder.run(&["check", "problem.toml", "--json"]).expect(1).json();
+    assert!(json["consistency"]["nees"].is_null(), "{json}");
+    let json = folder.run(&["filter", "problem.toml", "--smooth", "--json"]).expect(0).json();
+    assert!(json["rmse"].is_null(), "truth without a value: {json}");
+}

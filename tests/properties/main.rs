@@ -1,0 +1,6 @@
+//! What must hold whatever the numbers.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod filters;
+mod optimizers;

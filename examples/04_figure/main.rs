@@ -17,25 +17,10 @@ use kfgpu::data::Log;
 use kfgpu::evaluate::{CpuEvaluator, CpuOptions};
 use kfgpu::model::Problem;
 use kfgpu::reference;
+use kfgpu::report::figures::Figure;
 use kfgpu::study::{self, Judge, Study};
-use plotters::coord::Shift;
-use plotters::prelude::*;
 
-/// A part of the picture.
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Failure = Box<dyn Error>;
-
-/// Shades that stay apart in grey print.
-const fn grey(shade: u8) -> RGBColor {
-    RGBColor(shade, shade, shade)
-}
-
-/// Font of a given height in pixels.
-const fn font(height: u32) -> (&'static str, u32) {
-    ("sans-serif", height)
-}
-
-fn main() -> Result<(), Failure> {
+fn main() -> Result<(), Box<dyn Error>> {
     let out = std::env::args_os().nth(1).map_or_else(|| std::env::temp_dir().join("nile.svg"), PathBuf::from);
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
     let problem = Problem::open(&folder.join("nile.toml"))?;
@@ -47,12 +32,9 @@ fn main() -> Result<(), Failure> {
     let winner = outcome.winner.as_ref().ok_or("every candidate failed")?;
     let run = reference::run(&problem, &log, &winner.candidate)?;
 
-    let picture = SVGBackend::new(&out, (1000, 420)).into_drawing_area();
-    picture.fill(&WHITE)?;
-    let (left, right) = picture.split_horizontally(560);
-    level::draw(&left, &log, &run)?;
-    contours::draw(&right, &mut evaluator, &outcome)?;
-    picture.present()?;
+    let figure = Figure::new("The Nile at Aswan").columns(2).size(1040.0, 300.0);
+    let figure = figure.panel(level::panel(&log, &run)).panel(contours::panel(&mut evaluator, &outcome, winner));
+    std::fs::write(&out, figure.to_svg()?)?;
     println!("{}: nll {:.4} at {:.1?}", out.display(), winner.objectives[0], winner.candidate);
     Ok(())
 }

@@ -12,6 +12,7 @@ mod command;
 mod compare;
 mod evaluate;
 mod examples;
+mod figures;
 mod filter;
 mod front;
 mod gpu;

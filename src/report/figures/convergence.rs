@@ -32,12 +32,10 @@ pub fn convergence(problem: &Problem, history: &[Generation]) -> Figure {
 /// on the log axis.
 fn approach(objective: &str, [best, median, spread]: [&[(f64, f64)]; 3]) -> Panel {
     let last = best.iter().map(|point| point.1).fold(f64::INFINITY, f64::min);
-    let positive = |v: f64| if v > 0.0 { v } else { f64::NAN };
-    let above = |points: &[(f64, f64)]| points.iter().map(|(g, cost)| (*g, positive(cost - last))).collect::<Vec<_>>();
-    let (best, median) = (above(best), above(median));
-    let spread: Vec<_> = spread.iter().map(|(g, spread)| (*g, positive(*spread))).collect();
-    let all = best.iter().chain(&median).chain(&spread).map(|point| point.1);
-    let axis = cost_axis(&format!("{objective} above the final best")).log_if(is_wide(all));
+    let above = |points: &[(f64, f64)]| points.iter().map(|(g, cost)| (*g, cost - last)).collect::<Vec<_>>();
+    let (best, median, spread) = (above(best), above(median), spread.to_vec());
+    let all = best.iter().chain(&median).chain(&spread).map(|point| point.1).filter(|v| *v > 0.0);
+    let axis = cost_axis(&format!("{objective} − final best")).log_if(is_wide(all));
     Panel::new(generations(), axis)
         .line("interquartile range", Stroke::dashed(Colour::Blue, Dash::DashDot).width(1.6), spread)
         .line("median of the generation", MEDIAN, median)

@@ -6,7 +6,7 @@ use crate::model::{Parameters, Scale};
 
 const MEMBER: (Marker, Colour) = (Marker::Circle, Colour::Black);
 const KNEE: (Marker, Colour) = (Marker::Diamond, Colour::Red);
-const RECOMMENDED: (Marker, Colour) = (Marker::Disc, Colour::Amber);
+const RECOMMENDED: (Marker, Colour) = (Marker::Ring, Colour::Grey);
 const BASELINE: (Marker, Colour) = (Marker::Cross, Colour::Black);
 const ENDS: [(Marker, Colour); 4] = [
     (Marker::Triangle, Colour::Blue),

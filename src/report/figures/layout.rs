@@ -52,8 +52,7 @@ pub(super) fn draw(figure: &Figure) -> Result<String, FigureError> {
         corner += left + width + right_margin() + GAP;
     }
     let right = corner - GAP;
-    let fullest = placed.iter().find(|p| placed.iter().all(|other| p.legend.covers(&other.legend)));
-    let shared = fullest.filter(|_| placed.len() > 1).map(|p| Legend::of(p.panel, right - MARGIN));
+    let shared = Legend::shared(&figure.panels, right - MARGIN);
     let top = MARGIN + title_height(&figure.title, TITLE);
     let bottom = stack(&mut placed, columns, top + shared.as_ref().map_or(0.0, Legend::height), shared.is_some());
 
@@ -137,7 +136,7 @@ impl<'a> Placed<'a> {
         let panel: &'a Panel = self.panel;
         self.window.width = width;
         self.x = Ticks::along(&panel.x, self.window.x, width);
-        self.legend = Legend::of(panel, width);
+        self.legend = Legend::of(&panel.marks, width);
     }
 
     /// Room above the plot.
@@ -169,7 +168,7 @@ impl<'a> Placed<'a> {
         for mark in &self.panel.marks {
             let reference = matches!(mark.shape, Shape::Horizontal { .. } | Shape::Vertical { .. });
             // Markers on the frame are shown whole.
-            let margin = if matches!(mark.shape, Shape::Points { .. }) { 8.0 } else { 0.0 };
+            let margin = if matches!(mark.shape, Shape::Points { .. }) { 10.0 } else { 0.0 };
             svg.open_window([left, top, width, height], margin);
             drawn |= self.window.draw(svg, &mark.shape) && !reference;
             svg.close_window();

@@ -19,11 +19,11 @@ pub(super) struct Legend<'a> {
 }
 
 impl<'a> Legend<'a> {
-    /// Of the labelled marks of a panel, each label once, in rows of `width` \[px\].
-    pub(super) fn of(panel: &'a Panel, width: f64) -> Self {
+    /// Of labelled marks, each label once, in rows of `width` \[px\].
+    pub(super) fn of(marks: impl IntoIterator<Item = &'a Mark>, width: f64) -> Self {
         let mut entries: Vec<(f64, usize, String, &Mark)> = Vec::new();
         let (mut left, mut row) = (0.0, 0);
-        for mark in panel.marks.iter().filter(|mark| !mark.label.is_empty()) {
+        for mark in marks.into_iter().filter(|mark| !mark.label.is_empty()) {
             if entries.iter().any(|(.., before)| before.label == mark.label) {
                 continue;
             }
@@ -38,10 +38,21 @@ impl<'a> Legend<'a> {
         Self { entries }
     }
 
-    /// Whether it names everything that the other does.
-    pub(super) fn covers(&self, other: &Self) -> bool {
-        let names = |name: &str| self.entries.iter().any(|(.., mark)| mark.label == name);
-        other.entries.iter().all(|(.., mark)| names(&mark.label))
+    /// One legend for all panels where a label stands in several, and means the same in all of them.
+    pub(super) fn shared(panels: &'a [Panel], width: f64) -> Option<Self> {
+        let labelled = |panel: &'a Panel| panel.marks.iter().filter(|mark| !mark.label.is_empty());
+        let mut repeated = false;
+        for (i, panel) in panels.iter().enumerate() {
+            for mark in labelled(panel) {
+                let before = panels[..i].iter().flat_map(labelled).find(|before| before.label == mark.label);
+                let Some(before) = before else { continue };
+                repeated = true;
+                if before.shape.look() != mark.shape.look() {
+                    return None;
+                }
+            }
+        }
+        repeated.then(|| Self::of(panels.iter().flat_map(labelled), width))
     }
 
     pub(super) fn height(&self) -> f64 {

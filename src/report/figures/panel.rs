@@ -147,6 +147,21 @@ impl Panel {
 }
 
 impl Shape {
+    /// How it looks: itself without its data.
+    pub(super) const fn look(&self) -> Self {
+        match self {
+            Self::Line { stroke, .. } => Self::Line { points: Vec::new(), stroke: *stroke },
+            Self::Points { marker, colour, .. } => {
+                Self::Points { points: Vec::new(), marker: *marker, colour: *colour }
+            }
+            Self::Band { colour, .. } => Self::Band { rows: Vec::new(), colour: *colour },
+            Self::Bars { colour, .. } => Self::Bars { bars: Vec::new(), colour: *colour },
+            Self::Region { shade, .. } => Self::Region { outlines: Vec::new(), shade: *shade },
+            Self::Horizontal { stroke, .. } => Self::Horizontal { y: 0.0, stroke: *stroke },
+            Self::Vertical { stroke, .. } => Self::Vertical { x: 0.0, stroke: *stroke },
+        }
+    }
+
     fn xs(&self) -> Box<dyn Iterator<Item = f64> + '_> {
         match self {
             Self::Line { points, .. } | Self::Points { points, .. } => Box::new(points.iter().map(|p| p.0)),

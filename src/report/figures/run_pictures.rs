@@ -9,7 +9,7 @@ use crate::report::{Whiteness, significant};
 const MEASURED: (Marker, Colour) = (Marker::Dot, Colour::Grey);
 const ESTIMATE: Stroke = Stroke::new(Colour::Black);
 const TRUTH: Stroke = Stroke::dashed(Colour::Red, Dash::Dashed).width(1.6);
-const SMOOTHED: Stroke = Stroke::dashed(Colour::Amber, Dash::Solid).width(1.6);
+const SMOOTHED: Stroke = Stroke::dashed(Colour::Blue, Dash::DashDot).width(1.8);
 const LIMIT: Stroke = Stroke::dashed(Colour::Red, Dash::Dashed);
 
 impl RunRecord<'_> {
@@ -66,9 +66,9 @@ impl RunRecord<'_> {
         let with_truth: Vec<_> =
             track.states.iter().enumerate().filter(|(_, series)| series.error.has_values()).collect();
         let panel = |(i, series): (usize, &StateSeries)| {
-            let errors = series.error.line().map(|point| point.1);
+            let errors = without_outliers(series.error.line().map(|point| point.1).collect());
             let axis = Axis::new(format!("error of {}", self.problem.model.states[i]));
-            Panel::new(time_axis(self.problem), of_course(axis, errors, &series.deviation))
+            Panel::new(time_axis(self.problem), of_course(axis, errors.into_iter(), &series.deviation))
                 .band("± 3 standard deviations", Colour::Blue, series.deviation.band())
                 .horizontal("", Stroke::new(Colour::Grey).width(1.0), 0.0)
                 .line("estimate minus truth", ESTIMATE, series.error.line())
@@ -155,7 +155,7 @@ pub fn autocorrelation(problem: &Problem, whiteness: &[Whiteness]) -> Figure {
         });
         let p_value = if w.p_value < 1e-4 { "< 1e-4".to_owned() } else { format!("= {}", significant(w.p_value, 2)) };
         let title = match w.autocorrelation.len() {
-            0 => format!("{}: {} values, too few", w.measurement, w.count),
+            0 => format!("{}: too few values", w.measurement),
             _ => format!("{}: {} values, Ljung-Box p {p_value}", w.measurement, w.count),
         };
         let end = w.autocorrelation.len() as f64 + 1.0;
@@ -192,6 +192,15 @@ fn of_course(axis: Axis, values: impl Iterator<Item = f64>, band: &Envelope) -> 
     let room = 0.05 * (high - low);
     // Constant values, or none, are left to the axis.
     if room > 1e-9 * low.abs().max(high.abs()) && room < 1e299 { axis.range(low - room, high + room) } else { axis }
+}
+
+/// Errors but for the few far beyond all others, as those of a wrong x0 are in the first rows.
+fn without_outliers(mut errors: Vec<f64>) -> Vec<f64> {
+    errors.retain(|error| error.abs() < 1e300);
+    errors.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+    let usual = errors.get(errors.len() * 95 / 100).map_or(0.0, |error| error.abs());
+    errors.retain(|error| error.abs() <= 5.0 * usual);
+    errors
 }
 
 /// `nile: innovations`, after the problem file's name.

@@ -115,6 +115,8 @@ pub enum Marker {
     Disc,
     /// Open circle.
     Circle,
+    /// Large open circle, around another marker.
+    Ring,
     /// x.
     Cross,
     /// +.
@@ -139,7 +141,7 @@ impl Marker {
             Self::Dot => 4.0,
             Self::Disc => 8.0,
             Self::Circle | Self::Square => 1.5,
-            Self::Cross | Self::Plus => 2.0,
+            Self::Cross | Self::Plus | Self::Ring => 2.0,
             Self::Triangle | Self::Diamond => 0.0,
         }
     }
@@ -149,6 +151,7 @@ impl Marker {
         match self {
             Self::Dot | Self::Disc => "h0",
             Self::Circle => "m-3.6 0a3.6 3.6 0 1 0 7.2 0a3.6 3.6 0 1 0-7.2 0",
+            Self::Ring => "m-8 0a8 8 0 1 0 16 0a8 8 0 1 0-16 0",
             Self::Cross => "m-4-4l8 8m0-8l-8 8",
             Self::Plus => "m-5 0h10m-5-5v10",
             Self::Square => "m-3.6-3.6h7.2v7.2h-7.2z",

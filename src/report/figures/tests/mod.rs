@@ -109,8 +109,10 @@ fn panels_with_the_same_legend_share_it() {
         ["tuned", "k"].map(|name| found.iter().filter(|text| *text == name).count())
     };
     assert_eq!(count(vec![panel(0.0), panel(0.0)]), [1, 1], "one legend, one name of the axis below both");
-    let other = panel(0.0).line("start", Stroke::of_series(1), []);
-    assert_eq!(count(vec![panel(0.0), other]), [2, 1], "different legends");
+    let more = panel(0.0).line("start", Stroke::of_series(1), []);
+    assert_eq!(count(vec![panel(0.0), more]), [1, 1], "the second panel adds to the legend of both");
+    let other = Panel::new(Axis::new("k"), Axis::new("v")).line("tuned", Stroke::of_series(3), [(0.0, 1.0)]);
+    assert_eq!(count(vec![panel(0.0), other]), [2, 1], "the same label means another line");
 }
 
 #[test]
@@ -134,5 +136,5 @@ fn a_million_points_are_a_small_file() {
         .points("points", (Marker::Dot, Colour::Grey), points.iter().copied());
     let svg = Figure::new("many").panel(panel).to_svg().unwrap();
     assert!(svg.len() < 2_000_000, "{} bytes", svg.len());
-    assert!(texts(&svg).iter().any(|text| text == "x [1e6]"), "the axis is named");
+    assert!(texts(&svg).iter().any(|text| text == "x"), "the axis is named");
 }

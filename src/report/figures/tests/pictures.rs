@@ -73,7 +73,8 @@ fn pictures_of_a_run_name_what_they_show() {
     expect(&found, "innovations", &["innovation of range", "± 2 sqrt(S)", "k"]);
     expect(&found, "nis", &["NIS", "95 % band"]);
     expect(&found, "autocorrelation", &["lag [measured rows]", "autocorrelation", "95 % band"]);
-    expect(&found, "histogram", &["normalised innovation", "density", "N(0, 1)", "range: 200 values"]);
+    let title = "range: 200 values, 2 beyond ±8 in the outer bars";
+    expect(&found, "histogram", &["normalised innovation", "density", "N(0, 1)", title]);
 }
 
 #[test]

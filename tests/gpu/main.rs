@@ -14,6 +14,7 @@ mod case;
 #[path = "../parity/cases/mod.rs"]
 mod cases;
 mod faults;
+mod grid;
 #[path = "../parity/logs.rs"]
 #[allow(dead_code, reason = "shared with the parity of the CPU")]
 mod logs;

@@ -60,6 +60,7 @@ impl Problem {
     fn check_intervals(&self, log: &Log, warnings: &mut Vec<String>) -> Result<(), ProblemError> {
         let intervals = || log.trajectories.iter().flat_map(|t| t.time.windows(2).map(|w| w[1] - w[0]));
         let irregular = log.regular_dt().is_none() && intervals().next().is_some();
+        let adapted = matches!(self.filter, super::FilterKind::SageHusa { .. });
         if self.model.first == (First::Predict { dt: None }) && log.regular_dt().is_none() {
             let what = if irregular { "has irregular intervals" } else { "has no interval" };
             let problem = format!(
@@ -73,13 +74,13 @@ impl Problem {
             for dt in [low, high].into_iter().filter(|dt| dt.is_finite() && *dt > 0.0) {
                 definite::check_process_noise(self, dt).map_err(|cause| self.fault(&["model", "Q"], cause))?;
             }
-        } else if irregular && !self.model.q.iter().all(super::Expr::is_zero) {
+        } else if irregular && !adapted && !self.model.q.iter().all(super::Expr::is_zero) {
             warnings.push(format!(
                 "the intervals of {} differ, and Q has no dt in it: every step gets the same process noise",
                 log.source
             ));
         }
-        if irregular && matches!(self.filter, super::FilterKind::SageHusa { .. }) {
+        if irregular && adapted {
             warnings.push(format!(
                 "the intervals of {} differ, and the sage-husa filter adapts one Q that serves every step, long or short",
                 log.source

@@ -51,6 +51,17 @@ fn every_kind_is_filtered_simulated_and_printed() {
     }
 }
 
+/// In f32 the adapted Q is carried by its factors.
+#[cfg(feature = "gpu")]
+#[test]
+fn every_kind_has_a_kernel() {
+    for (kind, filter, carried) in KINDS {
+        let carried = carried.replace("Q.d.v", "Q.U.d.v");
+        let kernel = folder(filter).run(&["shader", "problem.toml"]).expect(0).stdout;
+        assert!(kernel.contains(&format!(": Real; // {carried}\n")), "{kind}: {carried} is carried:\n{kernel}");
+    }
+}
+
 #[test]
 fn a_filter_that_does_not_exist_is_an_error() {
     let finished = folder("kind = \"fuzy\"").run(&["filter", "problem.toml"]).expect(2);

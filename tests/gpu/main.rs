@@ -15,6 +15,7 @@ mod case;
 mod cases;
 mod constraints;
 mod faults;
+mod grid;
 #[path = "../parity/logs.rs"]
 #[allow(dead_code, reason = "shared with the parity of the CPU")]
 mod logs;

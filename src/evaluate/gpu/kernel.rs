@@ -1,9 +1,10 @@
-//! A compiled kernel with its buffers: dispatches chunks and reads totals back.
+//! A compiled kernel with its buffers: dispatches chunks, side by side where they fit, and reads totals back.
 
 use super::clock::Clock;
 use super::device::{Gpu, GpuFailure};
-use super::layout::{self, Header, Layout};
+use super::layout::{Header, Layout};
 use super::totals::Totals;
+use super::upload::{self, word};
 use super::{GpuError, GpuOptions, prologue, shader};
 use crate::evaluate::{Evaluation, Population, Precision};
 use crate::filter::Program;
@@ -12,8 +13,8 @@ use wgpu::{BufferUsages as Usage, Limits};
 
 /// Invocations a workgroup, as in the shader.
 const WORKGROUP: usize = 64;
-/// Chunks a submission: short enough for a driver's watchdog.
-const CHUNKS_A_SUBMISSION: usize = 16;
+/// Dispatches a submission: short enough for a driver's watchdog.
+const DISPATCHES_A_SUBMISSION: usize = 16;
 
 /// The compiled kernel of a program.
 pub(super) struct Kernel {
@@ -22,10 +23,10 @@ pub(super) struct Kernel {
     pipeline: wgpu::ComputePipeline,
     bindings: wgpu::BindGroupLayout,
     record: wgpu::Buffer,
-    /// Byte offset of each chunk in `record`.
+    /// Byte offset of each dispatch in `record`.
     offsets: Vec<u32>,
-    /// Uniform initial states of each trajectory, as bytes.
-    starts: Vec<Vec<u8>>,
+    /// An [`Entry`] with its starts for every chunk.
+    entries: wgpu::Buffer,
     largest_part: usize,
     buffers: Option<Buffers>,
     clock: Option<Clock>,
@@ -46,31 +47,20 @@ impl Kernel {
     /// Assembles, validates and compiles the kernel, and uploads the record.
     pub(super) fn new(gpu: &Gpu, program: &Program, options: &GpuOptions, baseline: &[f64]) -> Result<Self, GpuError> {
         let precision = options.precision;
-        let layout = Layout::new(program, precision);
+        let layout = Layout::grouped(program, precision, options.largest_group.unwrap_or(usize::MAX));
         let source = shader::assemble(program, precision)?;
-        let (record_bytes, limit) = (record_bytes(gpu, &layout), gpu.limits.max_buffer_size.min(u32::MAX.into()));
+        let (record_bytes, limit) =
+            (upload::record_bytes(gpu, &layout), gpu.limits.max_buffer_size.min(u32::MAX.into()));
         if record_bytes > limit {
             return Err(GpuError::TooLong { bytes: record_bytes, limit });
         }
         let largest_part = largest_part(gpu, program, &layout, options)?;
         let refused = |f: GpuFailure| GpuError::Refused { adapter: gpu.info.name.clone(), reason: f.0 };
-        let (pipeline, bindings) = gpu.guarded(|| compile(gpu, source, &layout)).map_err(refused)?;
-        let (record, offsets) = gpu.guarded(|| upload_record(gpu, program, &layout, precision)).map_err(refused)?;
-        let starts =
-            program.spans.iter().map(|span| layout::bytes(prologue::starts(program, span, baseline), precision));
+        let (pipeline, bindings) = gpu.guarded(|| compile(gpu, source)).map_err(refused)?;
+        let (record, offsets) = gpu.guarded(|| upload::record(gpu, program, &layout, precision)).map_err(refused)?;
+        let entries = gpu.guarded(|| upload::entries(gpu, program, &layout, (baseline, precision))).map_err(refused)?;
         let clock = (options.timed && gpu.info.timestamps).then(|| Clock::new(gpu));
-        Ok(Self {
-            largest_part,
-            starts: starts.collect(),
-            layout,
-            precision,
-            pipeline,
-            bindings,
-            record,
-            offsets,
-            buffers: None,
-            clock,
-        })
+        Ok(Self { largest_part, entries, layout, precision, pipeline, bindings, record, offsets, buffers: None, clock })
     }
 
     /// Scores a population in parts that fit the adapter.
@@ -119,8 +109,8 @@ impl Kernel {
     fn make_buffers(&self, gpu: &Gpu, program: &Program, stride: usize) -> Buffers {
         let row = (stride * size(self.precision)) as u64;
         let alignment = gpu.limits.min_uniform_buffer_offset_alignment.max(16) as usize;
-        let header_stride = self.layout.header_bytes().next_multiple_of(alignment);
-        let headers_bytes = (header_stride * self.layout.chunks.len()) as u64;
+        let header_stride = size_of::<Header>().next_multiple_of(alignment);
+        let headers_bytes = (header_stride * self.layout.dispatches.len()) as u64;
         let headers = gpu.buffer("headers", headers_bytes, Usage::UNIFORM | Usage::COPY_DST);
         let rows = prologue::rows(program, &self.layout) as u64;
         let prologue = gpu.buffer("prologue", rows * row, Usage::STORAGE | Usage::COPY_DST);
@@ -134,10 +124,11 @@ impl Kernel {
         };
         let resources = [
             window(&self.record, 16 * Layout::RECORD),
-            window(&headers, self.layout.header_bytes()),
+            window(&headers, size_of::<Header>()),
             prologue.as_entire_binding(),
             carried.as_entire_binding(),
             totals.as_entire_binding(),
+            self.entries.as_entire_binding(),
         ];
         let entries: Vec<wgpu::BindGroupEntry<'_>> =
             (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
@@ -146,25 +137,29 @@ impl Kernel {
         Buffers { stride, headers, header_stride, prologue, totals, staging, group }
     }
 
-    /// Uploads a part, runs every chunk over it and copies the totals out.
+    /// Uploads a part, runs every dispatch over it and copies the totals out.
     fn dispatch(&self, gpu: &Gpu, program: &Program, buffers: &Buffers, part: &[f64]) {
         let n = part.len() / program.parameters.max(1);
         let data = prologue::buffer(program, &self.layout, part, buffers.stride, self.precision);
         gpu.queue.write_buffer(&buffers.prologue, 0, &data);
-        gpu.queue.write_buffer(&buffers.headers, 0, &self.headers(program, buffers, n));
-        let chunks: Vec<usize> = (0..self.layout.chunks.len()).collect();
-        let submissions = chunks.chunks(CHUNKS_A_SUBMISSION);
+        gpu.queue.write_buffer(&buffers.headers, 0, &self.headers(buffers, n));
+        let dispatches: Vec<usize> = (0..self.layout.dispatches.len()).collect();
+        let submissions = dispatches.chunks(DISPATCHES_A_SUBMISSION);
         let last = submissions.len().saturating_sub(1);
-        for (s, chunks) in submissions.enumerate() {
+        for (s, dispatches) in submissions.enumerate() {
             let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             let timestamps = self.clock.as_ref().and_then(|clock| clock.writes(s == 0, s == last));
             let descriptor = wgpu::ComputePassDescriptor { label: None, timestamp_writes: timestamps };
             let mut pass = encoder.begin_compute_pass(&descriptor);
             pass.set_pipeline(&self.pipeline);
-            for &chunk in chunks {
-                let header = u32::try_from(chunk * buffers.header_stride).unwrap_or(u32::MAX);
-                pass.set_bind_group(0, &buffers.group, &[self.offsets[chunk], header]);
-                pass.dispatch_workgroups(u32::try_from(n.div_ceil(WORKGROUP)).unwrap_or(u32::MAX), 1, 1);
+            for &dispatch in dispatches {
+                let trajectories = self.layout.dispatches[dispatch].len();
+                pass.set_bind_group(
+                    0,
+                    &buffers.group,
+                    &[self.offsets[dispatch], word(dispatch * buffers.header_stride)],
+                );
+                pass.dispatch_workgroups(word(n.div_ceil(WORKGROUP)), word(trajectories), 1);
             }
             drop(pass);
             if s == last {
@@ -183,26 +178,20 @@ impl Kernel {
         }
     }
 
-    /// The header of every chunk, each at its offset.
-    fn headers(&self, program: &Program, buffers: &Buffers, n: usize) -> Vec<u8> {
-        let word = |value: usize| u32::try_from(value).unwrap_or(u32::MAX);
-        let mut data = vec![0; buffers.header_stride * self.layout.chunks.len()];
-        for ((c, chunk), slot) in self.layout.chunks.iter().enumerate().zip(data.chunks_mut(buffers.header_stride)) {
-            let header = Header {
-                candidates: word(n),
-                stride: word(buffers.stride),
-                rows: word(chunk.rows.len()),
-                first: u32::from(chunk.first),
-                initial: word(program.invariants + chunk.trajectory * self.layout.varying),
-                totals: word(c * self.layout.totals_a_chunk),
-                reserved: [0; 2],
-            };
-            let (head, starts) = slot.split_at_mut(size_of::<Header>());
-            head.copy_from_slice(bytemuck::bytes_of(&header));
-            let values = &self.starts[chunk.trajectory];
-            starts[..values.len()].copy_from_slice(values);
+    /// The header of every dispatch, each at its offset.
+    fn headers(&self, buffers: &Buffers, n: usize) -> Vec<u8> {
+        let mut data = vec![0; buffers.header_stride * self.layout.dispatches.len()];
+        for (dispatch, slot) in self.layout.dispatches.iter().zip(data.chunks_mut(buffers.header_stride)) {
+            let (candidates, stride) = (word(n), word(buffers.stride));
+            let header = Header { candidates, stride, chunk: word(dispatch.start), reserved: 0 };
+            slot[..size_of::<Header>()].copy_from_slice(bytemuck::bytes_of(&header));
         }
         data
+    }
+
+    /// Dispatches that score one part of a population.
+    pub(super) const fn dispatches(&self) -> usize {
+        self.layout.dispatches.len()
     }
 }
 
@@ -222,6 +211,10 @@ fn largest_part(gpu: &Gpu, program: &Program, layout: &Layout, options: &GpuOpti
         prologue::rows(program, layout).max(program.carried.len()).max(layout.chunks.len() * layout.totals_a_chunk);
     let Limits { max_buffer_size, max_storage_buffer_binding_size, .. } = gpu.limits;
     let limit = max_buffer_size.min(max_storage_buffer_binding_size);
+    let entries = (layout.entry_bytes() * layout.chunks.len()) as u64;
+    if entries > limit {
+        return Err(GpuError::TooLong { bytes: entries, limit });
+    }
     let candidate = (rows.max(1) * size(options.precision)) as u64;
     let by_memory = usize::try_from(limit.min(LARGEST_BUFFER) / candidate).unwrap_or(usize::MAX);
     if by_memory < WORKGROUP {
@@ -232,15 +225,7 @@ fn largest_part(gpu: &Gpu, program: &Program, layout: &Layout, options: &GpuOpti
     Ok((part / WORKGROUP * WORKGROUP).max(WORKGROUP))
 }
 
-/// Bytes of the record of all chunks, as [`upload_record`] lays them out.
-fn record_bytes(gpu: &Gpu, layout: &Layout) -> u64 {
-    let alignment = u64::from(gpu.limits.min_uniform_buffer_offset_alignment.max(16));
-    let bytes = |chunk: &layout::Chunk| 16 * (chunk.rows.len() * layout.packs_a_row) as u64;
-    let chunks: u64 = layout.chunks.iter().map(|chunk| bytes(chunk).next_multiple_of(alignment)).sum();
-    chunks + 16 * Layout::RECORD as u64
-}
-
-fn compile(gpu: &Gpu, source: String, layout: &Layout) -> (wgpu::ComputePipeline, wgpu::BindGroupLayout) {
+fn compile(gpu: &Gpu, source: String) -> (wgpu::ComputePipeline, wgpu::BindGroupLayout) {
     let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("filter"),
         source: wgpu::ShaderSource::Wgsl(source.into()),
@@ -255,8 +240,14 @@ fn compile(gpu: &Gpu, source: String, layout: &Layout) -> (wgpu::ComputePipeline
         has_dynamic_offset: false,
         min_binding_size: None,
     };
-    let types =
-        [uniform(16 * Layout::RECORD), uniform(layout.header_bytes()), storage(true), storage(false), storage(false)];
+    let types = [
+        uniform(16 * Layout::RECORD),
+        uniform(size_of::<Header>()),
+        storage(true),
+        storage(false),
+        storage(false),
+        storage(true),
+    ];
     let visibility = wgpu::ShaderStages::COMPUTE;
     let entries: Vec<wgpu::BindGroupLayoutEntry> = (0..)
         .zip(types)
@@ -278,20 +269,4 @@ fn compile(gpu: &Gpu, source: String, layout: &Layout) -> (wgpu::ComputePipeline
         cache: None,
     });
     (pipeline, bindings)
-}
-
-/// The record of every chunk in one buffer; chunks overlap in the padding that each dispatch binds behind its own.
-fn upload_record(gpu: &Gpu, program: &Program, layout: &Layout, precision: Precision) -> (wgpu::Buffer, Vec<u32>) {
-    let alignment = gpu.limits.min_uniform_buffer_offset_alignment.max(16) as usize;
-    let mut offsets = Vec::with_capacity(layout.chunks.len());
-    let mut data: Vec<u8> = Vec::new();
-    for chunk in &layout.chunks {
-        data.resize(data.len().next_multiple_of(alignment), 0);
-        offsets.push(u32::try_from(data.len()).unwrap_or(u32::MAX));
-        data.extend(layout::record(program, layout, chunk, precision));
-    }
-    data.resize(data.len() + 16 * Layout::RECORD, 0);
-    let buffer = gpu.buffer("record", data.len() as u64, Usage::UNIFORM | Usage::COPY_DST);
-    gpu.queue.write_buffer(&buffer, 0, &data);
-    (buffer, offsets)
 }

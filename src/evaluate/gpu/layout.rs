@@ -1,11 +1,11 @@
-//! How a program lies in GPU memory: the record in chunks of rows, one header a chunk, totals.
+//! How a program lies in GPU memory: the record in chunks of rows, dispatches of one or more chunks, totals.
 
 use crate::evaluate::Precision;
 use crate::filter::{Program, Role};
 use bytemuck::{Pod, Zeroable};
 use std::ops::Range;
 
-/// What one dispatch needs to know; `Chunk` of `shaders/filter.wgsl` begins with the same fields.
+/// What one dispatch needs to know; `Dispatch` of `shaders/filter.wgsl` has the same fields.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
 pub(super) struct Header {
@@ -13,10 +13,23 @@ pub(super) struct Header {
     pub(super) candidates: u32,
     /// Candidates a row of every structure-of-arrays buffer.
     pub(super) stride: u32,
+    /// The first of its chunks.
+    pub(super) chunk: u32,
+    pub(super) reserved: u32,
+}
+
+/// What an invocation needs to know of its chunk; `Chunk` of `shaders/filter.wgsl` begins with the same fields.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+pub(super) struct Entry {
+    /// Pack of the dispatch's record where its rows begin.
+    pub(super) record: u32,
     /// Rows of the log.
     pub(super) rows: u32,
     /// 1 in the first chunk of a trajectory.
     pub(super) first: u32,
+    /// 1 in the last chunk of a trajectory.
+    pub(super) last: u32,
     /// Row of the prologue buffer where the trajectory's initial states begin.
     pub(super) initial: u32,
     /// Row of the totals buffer where the chunk's begin.
@@ -24,7 +37,7 @@ pub(super) struct Header {
     pub(super) reserved: [u32; 2],
 }
 
-/// Rows of one trajectory that one dispatch runs.
+/// Rows of one trajectory that one invocation runs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Chunk {
     /// Which trajectory.
@@ -33,6 +46,8 @@ pub(super) struct Chunk {
     pub(super) rows: Range<usize>,
     /// Whether the trajectory begins here.
     pub(super) first: bool,
+    /// Whether it ends here.
+    pub(super) last: bool,
 }
 
 /// Sizes and places of a program's data. They depend on the problem alone, never on the adapter.
@@ -42,6 +57,8 @@ pub(super) struct Layout {
     pub(super) packs_a_row: usize,
     /// The chunks, in the order they are dispatched.
     pub(super) chunks: Vec<Chunk>,
+    /// The chunks of each dispatch. They belong to different trajectories, and their records fit what a dispatch sees.
+    pub(super) dispatches: Vec<Range<usize>>,
     /// Totals a chunk: one a sum, two a product (exponent, mantissa), one for the check.
     pub(super) totals_a_chunk: usize,
     /// Carried states whose initial value depends on the candidate.
@@ -55,6 +72,11 @@ impl Layout {
     pub(super) const RECORD: usize = 4096;
 
     pub(super) fn new(program: &Program, precision: Precision) -> Self {
+        Self::grouped(program, precision, usize::MAX)
+    }
+
+    /// With at most `largest` trajectories in a dispatch.
+    pub(super) fn grouped(program: &Program, precision: Precision, largest: usize) -> Self {
         let packs_a_row = program.columns.div_ceil(Self::width(precision)).max(1);
         // Whole blocks of rows, so that sums are moved at the same rows wherever a chunk ends.
         let rows = (Self::RECORD / packs_a_row / Program::BLOCK).max(1) * Program::BLOCK;
@@ -62,13 +84,15 @@ impl Layout {
         for (trajectory, span) in program.spans.iter().enumerate() {
             for begin in span.rows.clone().step_by(rows) {
                 let end = (begin + rows).min(span.rows.end);
-                chunks.push(Chunk { trajectory, rows: begin..end, first: begin == span.rows.start });
+                let (first, last) = (begin == span.rows.start, end == span.rows.end);
+                chunks.push(Chunk { trajectory, rows: begin..end, first, last });
             }
         }
         let count = |role| program.carried.iter().filter(|c| c.role == role).count();
         let varying = program.varies.iter().filter(|v| **v).count();
         Self {
             packs_a_row,
+            dispatches: dispatches(&chunks, packs_a_row, largest),
             chunks,
             totals_a_chunk: count(Role::Sum) + 2 * count(Role::Product) + 1,
             varying,
@@ -89,16 +113,52 @@ impl Layout {
         }
     }
 
-    /// Packs of uniform initial states in a header.
+    /// Packs of uniform initial states in an entry.
     pub(super) fn starts(&self) -> usize {
-        // At most 16 states x 17 / 2 + 16 entries are carried; the width of f64 serves both formats.
+        // The width of f64 serves both formats.
         self.uniform.div_ceil(2).max(1)
     }
 
-    /// Bytes of one header with its starts.
-    pub(super) fn header_bytes(&self) -> usize {
-        size_of::<Header>() + 16 * self.starts()
+    /// Bytes of one entry with its starts.
+    pub(super) fn entry_bytes(&self) -> usize {
+        size_of::<Entry>() + 16 * self.starts()
     }
+
+    /// For each chunk the pack of its dispatch's record where its rows begin.
+    pub(super) fn begins(&self) -> Vec<usize> {
+        let mut begins = Vec::with_capacity(self.chunks.len());
+        for dispatch in &self.dispatches {
+            let mut next = 0;
+            for chunk in &self.chunks[dispatch.clone()] {
+                begins.push(next);
+                next += chunk.rows.len() * self.packs_a_row;
+            }
+        }
+        begins
+    }
+}
+
+/// Consecutive chunks side by side while their records fit and there are no more than `largest`. A chunk whose trajectory
+/// goes on stands alone, because what is carried to the next dispatch has one place.
+fn dispatches(chunks: &[Chunk], packs_a_row: usize, largest: usize) -> Vec<Range<usize>> {
+    let mut dispatches: Vec<Range<usize>> = Vec::new();
+    let mut packs = 0;
+    for (i, chunk) in chunks.iter().enumerate() {
+        let own = chunk.rows.len() * packs_a_row;
+        match dispatches.last_mut() {
+            Some(open)
+                if open.len() < largest && chunk.last && chunks[open.start].last && packs + own <= Layout::RECORD =>
+            {
+                open.end = i + 1;
+                packs += own;
+            }
+            _ => {
+                dispatches.push(i..i + 1);
+                packs = own;
+            }
+        }
+    }
+    dispatches
 }
 
 /// Numbers as the bytes of a kernel's format.
@@ -108,16 +168,6 @@ pub(super) fn bytes(values: impl IntoIterator<Item = f64>, precision: Precision)
         Precision::F32 => values.into_iter().flat_map(|v| (v as f32).to_ne_bytes()).collect(),
         Precision::F64 => values.into_iter().flat_map(f64::to_ne_bytes).collect(),
     }
-}
-
-/// The record of a chunk, each row padded to whole packs.
-pub(super) fn record(program: &Program, layout: &Layout, chunk: &Chunk, precision: Precision) -> Vec<u8> {
-    let padded = layout.packs_a_row * Layout::width(precision);
-    let row = |row: usize| {
-        let values = &program.record[row * program.columns..(row + 1) * program.columns];
-        values.iter().copied().chain(std::iter::repeat_n(0.0, padded - program.columns))
-    };
-    bytes(chunk.rows.clone().flat_map(row), precision)
 }
 
 #[cfg(test)]
@@ -136,11 +186,13 @@ mod tests {
         CpuEvaluator::new(&problem, &log, CpuOptions { precision, threads: None }).unwrap()
     }
 
-    /// Name and offset of the members of `Chunk` as naga lays them out, and its size.
-    fn chunk_by_naga(source: &str) -> (Vec<(String, usize)>, usize) {
+    type Members = Vec<(String, usize)>;
+
+    /// Name and offset of the members of a structure as naga lays them out, and its size.
+    fn members_by_naga(source: &str, name: &str) -> (Members, usize) {
         let module = naga::front::wgsl::parse_str(source).unwrap();
         let found = module.types.iter().find_map(|(_, t)| match &t.inner {
-            naga::TypeInner::Struct { members, span } if t.name.as_deref() == Some("Chunk") => Some((members, *span)),
+            naga::TypeInner::Struct { members, span } if t.name.as_deref() == Some(name) => Some((members, *span)),
             _ => None,
         });
         let (members, span) = found.unwrap();
@@ -148,28 +200,40 @@ mod tests {
         (members.iter().map(place).collect(), span as usize)
     }
 
+    fn named(members: &[(&str, usize)]) -> Members {
+        members.iter().map(|(name, offset)| ((*name).to_owned(), *offset)).collect()
+    }
+
     #[test]
-    fn the_header_lies_where_the_kernel_reads_it() {
+    fn headers_and_entries_lie_where_the_kernel_reads_them() {
         for precision in [Precision::F32, Precision::F64] {
             let evaluator = evaluator(precision);
             let layout = Layout::new(evaluator.program(), precision);
             let source = super::super::assemble(evaluator.program(), precision).unwrap();
-            let (members, span) = chunk_by_naga(&source);
-            let reserved = offset_of!(Header, reserved);
-            let expected = [
+            let header = named(&[
                 ("candidates", offset_of!(Header, candidates)),
                 ("stride", offset_of!(Header, stride)),
-                ("rows", offset_of!(Header, rows)),
-                ("first", offset_of!(Header, first)),
-                ("initial", offset_of!(Header, initial)),
-                ("totals", offset_of!(Header, totals)),
+                ("chunk", offset_of!(Header, chunk)),
+                ("reserved", offset_of!(Header, reserved)),
+            ]);
+            assert_eq!(members_by_naga(&source, "Dispatch"), (header, size_of::<Header>()), "{precision}");
+            let reserved = offset_of!(Entry, reserved);
+            let entry = named(&[
+                ("record", offset_of!(Entry, record)),
+                ("rows", offset_of!(Entry, rows)),
+                ("first", offset_of!(Entry, first)),
+                ("last", offset_of!(Entry, last)),
+                ("initial", offset_of!(Entry, initial)),
+                ("totals", offset_of!(Entry, totals)),
                 ("reserved_a", reserved),
                 ("reserved_b", reserved + 4),
-                ("starts", size_of::<Header>()),
-            ];
-            let members: Vec<(&str, usize)> = members.iter().map(|(name, offset)| (name.as_str(), *offset)).collect();
-            assert_eq!(members, expected, "{precision}");
-            assert_eq!(span, layout.header_bytes(), "{precision}: the whole header");
+                ("starts", size_of::<Entry>()),
+            ]);
+            assert_eq!(
+                members_by_naga(&source, "Chunk"),
+                (entry, layout.entry_bytes()),
+                "{precision}: with its starts"
+            );
         }
     }
 
@@ -194,5 +258,49 @@ mod tests {
         }
         program.columns = 513;
         assert!(!Layout::new(&program, Precision::F32).fits(), "a block of rows does not fit the record");
+    }
+
+    fn spans(lengths: &[usize]) -> Vec<crate::filter::Span> {
+        let mut next = 0;
+        let span = |length: &usize| {
+            next += length;
+            crate::filter::Span { rows: next - length..next, scalars: vec![] }
+        };
+        lengths.iter().map(span).collect()
+    }
+
+    #[test]
+    fn a_dispatch_takes_the_trajectories_that_fit_its_record() {
+        let evaluator = evaluator(Precision::F32);
+        let mut program = evaluator.program().clone();
+        program.columns = 5;
+        // 2 packs a row: 2048 rows a dispatch.
+        for (lengths, sizes) in [
+            (&[2048][..], &[1][..]),
+            (&[1024, 1024, 1], &[2, 1]),
+            (&[2000, 0, 48, 1], &[2, 1]),
+            // A long one goes on alone, and only its last chunk has room for others.
+            (&[10, 2049, 2047, 1], &[1, 1, 2, 1]),
+            (&[10, 5000, 10, 10], &[1, 1, 1, 3]),
+            (&[1; 2100], &[2048, 52]),
+        ] {
+            program.spans = spans(lengths);
+            let layout = Layout::new(&program, Precision::F32);
+            let found: Vec<usize> = layout.dispatches.iter().map(Range::len).collect();
+            assert_eq!(found, sizes, "{} trajectories", lengths.len());
+            let chunks: Vec<usize> = layout.dispatches.iter().cloned().flatten().collect();
+            assert_eq!(chunks, (0..layout.chunks.len()).collect::<Vec<_>>(), "every chunk once, in order");
+            let begins = layout.begins();
+            for dispatch in &layout.dispatches {
+                let last = dispatch.end - 1;
+                let packs = begins[last] + layout.chunks[last].rows.len() * layout.packs_a_row;
+                assert!(begins[dispatch.start] == 0 && packs <= Layout::RECORD, "{dispatch:?}: {packs} packs");
+                let mut of: Vec<usize> = layout.chunks[dispatch.clone()].iter().map(|c| c.trajectory).collect();
+                of.dedup();
+                assert_eq!(of.len(), dispatch.len(), "{dispatch:?}: one chunk a trajectory");
+            }
+            let alone = Layout::grouped(&program, Precision::F32, 1);
+            assert_eq!(alone.dispatches.len(), layout.chunks.len(), "one chunk a dispatch where that is asked for");
+        }
     }
 }

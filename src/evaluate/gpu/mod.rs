@@ -8,6 +8,7 @@ mod layout;
 mod prologue;
 mod shader;
 mod totals;
+mod upload;
 
 pub use adapter::{AdapterError, AdapterInfo, adapters};
 pub use device::GpuFailure;
@@ -34,6 +35,9 @@ pub struct GpuOptions {
     pub adapter: Option<String>,
     /// Largest part of a population that is dispatched at once, below the adapter's own limit. It never changes a result.
     pub largest_part: Option<usize>,
+    /// Largest number of trajectories that one dispatch scores side by side; `None` = as many as their records fit, 1 = one
+    /// after the other. It never changes a result.
+    pub largest_group: Option<usize>,
     /// Whether kernels are timed (where the adapter can).
     pub timed: bool,
     /// Threads of the CPU that goes on when the GPU fails; `None` = one a core. It never changes a result.
@@ -42,7 +46,14 @@ pub struct GpuOptions {
 
 impl Default for GpuOptions {
     fn default() -> Self {
-        Self { precision: Precision::F32, adapter: None, largest_part: None, timed: false, threads: None }
+        Self {
+            precision: Precision::F32,
+            adapter: None,
+            largest_part: None,
+            largest_group: None,
+            timed: false,
+            threads: None,
+        }
     }
 }
 
@@ -186,6 +197,12 @@ impl GpuEvaluator {
     #[must_use]
     pub const fn kernel_build_time(&self) -> Duration {
         self.kernel_build_time
+    }
+
+    /// Dispatches of the kernel that score one part of a population: short trajectories share one.
+    #[must_use]
+    pub const fn dispatches(&self) -> usize {
+        self.kernel.dispatches()
     }
 
     /// The program that the kernel runs.

@@ -42,6 +42,7 @@ pub fn assemble(program: &Program, precision: Precision) -> Result<String, GpuEr
             "step" => step.clone() + &result,
             "split" => parts.split(),
             "move" => parts.move_sums()?,
+            "keep" => parts.keep(),
             _ => parts.store(),
         };
         for line in block.lines() {
@@ -123,18 +124,19 @@ impl Parts<'_> {
     fn start(&self) -> String {
         let width = Layout::width(self.precision);
         let (mut uniform, mut varying) = (0, 0);
-        lines(0..self.program.carried.len(), |i| match self.program.carried[i].role {
-            Role::State if self.program.varies[i] => {
-                varying += 1;
-                format!("c{i} = prologue[(chunk.initial + {}u) * stride + candidate];", varying - 1)
-            }
-            Role::State => {
-                uniform += 1;
-                let at = uniform - 1;
-                format!("c{i} = chunk.starts[{}].{};", at / width, ["x", "y", "z", "w"][at % width])
-            }
-            Role::Sum | Role::Product | Role::Check => format!("c{i} = {};", self.neutral(i)),
-        })
+        "let initial = chunks[chunk].initial;\n".to_owned()
+            + &lines(0..self.program.carried.len(), |i| match self.program.carried[i].role {
+                Role::State if self.program.varies[i] => {
+                    varying += 1;
+                    format!("c{i} = prologue[(initial + {}u) * stride + candidate];", varying - 1)
+                }
+                Role::State => {
+                    uniform += 1;
+                    let at = uniform - 1;
+                    format!("c{i} = chunks[chunk].starts[{}].{};", at / width, ["x", "y", "z", "w"][at % width])
+                }
+                Role::Sum | Role::Product | Role::Check => format!("c{i} = {};", self.neutral(i)),
+            })
     }
 
     fn load(&self) -> String {
@@ -155,7 +157,7 @@ impl Parts<'_> {
     }
 
     fn record(&self) -> String {
-        lines(0..self.layout.packs_a_row, |p| format!("let q{p} = record[row * PACKS_A_ROW + {p}u];"))
+        lines(0..self.layout.packs_a_row, |p| format!("let q{p} = record[begin + row * PACKS_A_ROW + {p}u];"))
     }
 
     /// Carried registers that are summed or multiplied up.
@@ -175,19 +177,25 @@ impl Parts<'_> {
         Ok(lines(sums, |i| format!("t{i} = t{i} + c{i};\nc{i} = {zero};")))
     }
 
-    /// States for the next chunk; totals: sums, (exponent, mantissa) of products, the check.
+    /// States for the next chunk.
+    fn keep(&self) -> String {
+        let states = (0..self.program.carried.len()).filter(|i| self.program.carried[*i].role == Role::State);
+        lines(states, |i| format!("carried[{i}u * stride + candidate] = c{i};"))
+    }
+
+    /// Totals: sums, (exponent, mantissa) of products, the check.
     fn store(&self) -> String {
         let mut total = 0;
-        lines(0..self.program.carried.len(), |i| {
+        let others = (0..self.program.carried.len()).filter(|i| self.program.carried[*i].role != Role::State);
+        lines(others, |i| {
             let mut put = |value: String| {
                 total += 1;
-                format!("totals[(chunk.totals + {}u) * stride + candidate] = {value};", total - 1)
+                format!("totals[(total + {}u) * stride + candidate] = {value};", total - 1)
             };
             match self.program.carried[i].role {
-                Role::State => format!("carried[{i}u * stride + candidate] = c{i};"),
                 Role::Sum => put(format!("t{i}")),
                 Role::Product => put(format!("t{i}")) + "\n" + &put(format!("c{i}")),
-                Role::Check => put(format!("c{i}")),
+                Role::State | Role::Check => put(format!("c{i}")),
             }
         })
     }

@@ -90,6 +90,19 @@ fn a_process_noise_without_dt_is_doubtful_on_an_irregular_log() {
 }
 
 #[test]
+fn an_adapted_process_noise_is_doubtful_on_an_irregular_log_with_dt_or_without() {
+    for q in ["q", "q*dt"] {
+        let adaptive = problem("[parameters]", "[filter]\nkind = \"sage-husa\"\n[parameters]");
+        let text = adaptive.text.replace("\"q\"]", &format!("\"{q}\"]"));
+        let warnings = Problem::parse(&text, "p.toml").unwrap().check_log(&irregular()).unwrap();
+        let expected = "the intervals of log.csv differ, and the sage-husa filter adapts one Q that serves every step, long or short";
+        assert_eq!(warnings, [expected], "{q}");
+    }
+    let searched = "[filter]\nkind = \"sage-husa\"\nforgetting = \"b\"\n[parameters]\nb = { min = 0.9, max = 1 }";
+    assert!(problem("[parameters]", searched).check_log(&regular()).unwrap().is_empty(), "b is used by the filter");
+}
+
+#[test]
 fn a_process_noise_must_be_one_at_every_interval() {
     let shrinking = problem("\"q\"", "\"q*(1.5 - dt)\"");
     assert!(shrinking.check_log(&regular()).is_ok(), "positive at dt = 1");

@@ -16,7 +16,7 @@ fn tuning() {
             "\"pso\"",
             "\"psoo\"",
             "\"psoo\"",
-            "26:13: `tune.algorithm` names the algorithm `psoo`, which does not exist: did you mean `pso`? (known: `pso`, `pso-inertia`, `pio`, `pio-printed`, `pio+`, `random`)",
+            "26:13: `tune.algorithm` names the algorithm `psoo`, which does not exist: did you mean `pso`? (known: `pso`, `pso-inertia`, `pio`, `pio-printed`, `pio+`, `nsga2`, `nsga2-study`, `moma`, `moma-annealed`, `random`)",
         ),
         (
             "[\"nll\"]",

@@ -107,7 +107,9 @@ fn every_command_shown_exists_and_every_verb_is_shown() {
             shown.insert(verb.to_owned());
         }
     }
-    for verb in ["tune", "filter", "check", "init", "tape", "simulate", "evaluate", "bench", "devices", "shader"] {
+    for verb in
+        ["tune", "compare", "filter", "check", "init", "tape", "simulate", "evaluate", "bench", "devices", "shader"]
+    {
         assert!(shown.contains(verb), "the docs show no `kfgpu {verb}`");
     }
 }

@@ -10,7 +10,7 @@ fn keys() {
             "time =",
             "tiem =",
             "tiem",
-            "3:1: unknown key `tiem` in [data]: did you mean `time`? (known: `file`, `time`, `measurements`, `inputs`, `truth`, `trajectory`)",
+            "3:1: unknown key `tiem` in [data]: did you mean `time`? (known: `file`, `time`, `measurements`, `inputs`, `truth`, `trajectory`, `validate`)",
         ),
         (
             "[filter]",

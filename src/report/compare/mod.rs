@@ -87,11 +87,14 @@ impl Comparison {
     }
 }
 
+/// Costs no further apart than this, relative, are alike: they show the same digits.
+const ALIKE: f64 = 1e-8;
+
 /// Which of these is lowest; `None` when that is not one alone, or one is missing.
 fn lowest(costs: impl Iterator<Item = Option<f64>>) -> Option<usize> {
     let costs: Vec<f64> = costs.collect::<Option<_>>()?;
     let (index, least) = costs.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1))?;
-    let alone = costs.iter().filter(|cost| cost.total_cmp(least).is_eq()).count() == 1;
+    let alone = costs.iter().filter(|cost| (*cost - least).abs() <= ALIKE * least.abs()).count() == 1;
     alone.then_some(index)
 }
 

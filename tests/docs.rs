@@ -62,10 +62,11 @@ fn the_supported_table_has_what_the_registries_have() {
 #[test]
 fn the_page_of_reproductions_has_every_study() {
     let page = read("docs/reproductions.md");
+    let words = page.split_whitespace().collect::<Vec<_>>().join(" ");
     for study in kfgpu::reproduce::STUDIES {
         let heading = format!("## {}", study.name);
         assert!(page.lines().any(|line| line.starts_with(&heading)), "docs/reproductions.md has no section {heading}");
-        assert!(page.contains(study.paper), "docs/reproductions.md does not name {}", study.paper);
+        assert!(words.contains(study.paper), "docs/reproductions.md does not name {}", study.paper);
     }
 }
 

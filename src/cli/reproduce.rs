@@ -15,7 +15,8 @@ use crate::reproduce::{self, Options, Progress, PublishedStudy, Reproduction, ST
 
 /// Run a published study again: its table beside ours, and targets that pass or fail (exit code 1 if one fails).
 ///
-/// Studies: kf-pio (measurement noise by pigeons against particles), or all of them.
+/// Studies: kf-pio (pigeon-inspired optimisation against particle swarms, one objective), moma (a multi-objective memetic
+/// algorithm against adaptive filters), or all of them. docs/reproductions.md shows both as they were run.
 #[derive(Debug, Args)]
 pub(super) struct Reproduce {
     /// Study, or `all`.
@@ -77,8 +78,7 @@ impl Reproduce {
             [one] if self.name != "all" => files::print_json(one)?,
             several => files::print_json(&all(several, self.quick))?,
         }
-        let passes = results.iter().all(Reproduction::passes);
-        Ok(if passes { Ending::Done } else { Ending::NotUsable })
+        Ok(ending(&results))
     }
 
     /// A folder a study, tried before any work starts.
@@ -89,6 +89,11 @@ impl Reproduce {
         };
         studies.iter().map(folder_of).collect()
     }
+}
+
+/// A missed target ends the command with 1.
+fn ending(results: &[Reproduction]) -> Ending {
+    if results.iter().all(Reproduction::passes) { Ending::Done } else { Ending::NotUsable }
 }
 
 fn all(studies: &[Reproduction], quick: bool) -> All<'_> {
@@ -153,5 +158,64 @@ impl Progress for Bar {
 impl Drop for Bar {
     fn drop(&mut self) {
         self.0.finish_and_clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::Device;
+    use crate::reproduce::{Cell, Figure, Required, Table};
+
+    fn result(name: &'static str, measured: f64) -> Reproduction {
+        let table = |name| Table {
+            name,
+            title: "Summary".into(),
+            columns: vec!["J".into()],
+            rows: vec![vec![Cell::Number(measured, 3)]],
+        };
+        Reproduction {
+            name,
+            summary: "A study of nothing.".into(),
+            paper: "Nobody, 2000",
+            reduced: None,
+            seed: 1,
+            targets: vec![Target::new("J", Required::AtMost(2.0), measured)],
+            table: table("summary"),
+            tables: vec![table("more")],
+            findings: Vec::new(),
+            readings: Vec::new(),
+            data: vec![table("runs")],
+            figures: vec![Figure { name: "rain".into(), caption: "Rain".into(), svg: "<svg/>".into() }],
+            device: Device { backend: "mock".into(), adapter: "none".into(), precision: "f64".into() },
+            wall_s: 1.5,
+        }
+    }
+
+    #[test]
+    fn one_missed_target_of_any_study_is_not_usable() {
+        assert_eq!(ending(&[result("a", 1.0), result("b", 2.0)]), Ending::Done);
+        let results = [result("a", 1.0), result("b", 2.5)];
+        assert_eq!(ending(&results), Ending::NotUsable);
+        let json = serde_json::to_value(all(&results, false)).unwrap();
+        assert_eq!((&json["name"], &json["pass"], &json["wall_s"]), (&"all".into(), &false.into(), &3.0.into()));
+        assert_eq!(json["targets"][1]["name"], "b: J");
+        assert_eq!(json["studies"][0]["targets"][0]["pass"], true);
+    }
+
+    #[test]
+    fn a_folder_holds_report_tables_and_figures() {
+        let folder = tempfile::tempdir().unwrap();
+        write(&OutFolder::prepare(folder.path()).unwrap(), &result("a", 1.0)).unwrap();
+        let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+        assert_eq!((read("runs.csv").as_str(), read("rain.svg").as_str()), ("J\n1\n", "<svg/>"));
+        assert!(read("report.md").contains("![rain](rain.svg)"), "{}", read("report.md"));
+        assert!(
+            read("targets.csv").starts_with("target,required,measured,pass\nJ,<= 2,1,yes"),
+            "{}",
+            read("targets.csv")
+        );
+        assert!(read("result.json").contains("\"more\":[{\"J\":1.0}]"), "{}", read("result.json"));
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 7, "and nothing else");
     }
 }

@@ -30,3 +30,23 @@ fn an_unusable_folder_is_refused_before_work_starts() {
     let error = folder.run(&["reproduce", "kf-pio", "--out", "file/results"]).refusal();
     assert!(error.contains("cannot make the output folder"), "{error}");
 }
+
+/// The whole quick study through the binary: every target is reached, and what it says is written.
+#[test]
+fn the_quick_moma_study_passes() {
+    let folder = Folder::new();
+    let json = folder.run(&["reproduce", "moma", "--quick", "--json", "--out", "results"]).expect(0).json();
+    assert_eq!((&json["name"], &json["pass"], &json["quick"]), (&"moma".into(), &true.into(), &true.into()));
+    let targets = json["targets"].as_array().unwrap();
+    assert!(targets.len() > 15 && targets.iter().all(|target| target["pass"] == true), "{targets:?}");
+    assert_eq!(json["table"][0]["method"], "Regular");
+    assert!(json["reduced"].as_str().unwrap().starts_with("6 data sets in place of 20"), "{json}");
+    let report = folder.read("results/report.md");
+    for part in ["**Quick run: 6 data sets", "| MOMA | paper-like | 5.2556 |", "](fig3-error.svg)"] {
+        assert!(report.contains(part), "{part} in {report}");
+    }
+    let names = folder.names("results");
+    for name in ["fig2-front.svg", "result.json", "runs.csv", "summary.csv", "targets.csv", "tracks.csv"] {
+        assert!(names.iter().any(|n| n == name), "{name} in {names:?}");
+    }
+}

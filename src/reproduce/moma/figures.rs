@@ -45,11 +45,10 @@ impl Results {
         let run = &set.tuned[0].moma[j];
         let mut evaluator = CpuEvaluator::new(&bench.both, &log, ONE_THREAD)?;
         let curve = ends::curve(&mut evaluator, scenario::RANGE, 2000);
-        let end = |which: usize| -> Option<Point> {
+        let mut end = |which: usize| -> Option<Point> {
             let r = set.ends[which].0;
             ends::curve(&mut evaluator, [r, r], 2).pop()
         };
-        let mut end = end;
         let (Some(first), Some(second)) = (end(0), end(1)) else { return Ok(None) };
         Ok(Some(Shown {
             set,
@@ -94,8 +93,7 @@ impl Shown<'_> {
         };
         let (left, right) = near([self.ends[0].f[0], self.ends[1].f[0]]);
         let (_, top) = near([self.ends[0].f[1], self.ends[1].f[1]]);
-        let inside = |p: &&Point| p.f[0] <= right && p.f[1] <= top;
-        let curve: Vec<(f64, f64)> = self.curve.iter().filter(inside).map(|p| (p.f[0], p.f[1])).collect();
+        let curve = self.curve.iter().map(|p| (p.f[0], p.f[1]));
         let x = Axis::new("f1, mean squared innovation").unit("m^2").range(left.max(0.0), right);
         let y = Axis::new("f2, mismatch").range(-0.05 * top, top);
         let at = |p: &Point| [(p.f[0], p.f[1])];

@@ -29,8 +29,7 @@ fn tiny_study_reports() {
     }
 }
 
-/// Parents in the place of the population change neither count, but another mutation rate changes the contrast; and
-/// without any variation the answer is no end of the front.
+/// Without any variation the first individual is whatever generation 0 happened to hold.
 #[test]
 fn operators_that_vary_nothing_miss_the_ends() {
     let genetic = nsga2::Rules { mutation_probability: Some(0.0), crossover_probability: 0.0, ..nsga2::STUDY };

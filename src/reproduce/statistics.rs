@@ -42,7 +42,6 @@ pub(super) fn count(values: &[f64], test: impl Fn(f64) -> bool) -> f64 {
 }
 
 #[cfg(test)]
-#[expect(clippy::float_cmp, reason = "exact in binary")]
 mod tests {
     use super::*;
 

@@ -111,7 +111,7 @@ struct DataSet {
     boxed: Vec<(Run, Run)>,
     /// Least J of independent local searches.
     optimum: f64,
-    /// Mean J over fresh realisations.
+    /// J over fresh realisations.
     held_out: HeldOut,
 }
 

@@ -77,9 +77,9 @@ impl Plan {
     fn reduced(&self) -> Option<String> {
         (self.data_sets < Self::FULL.data_sets).then(|| {
             format!(
-                "{} data sets in place of {}, {} random fronts in place of {}; limits on means are wider by twice what \
-                 the smaller sample adds to their standard error, counts ask for all but one, and what six data sets \
-                 cannot show is printed, not gated.",
+                "{} data sets in place of {}, {} random fronts in place of {}; limits on means are wider by twice \
+                 what the smaller sample adds to their standard error, counts ask for all but one, and what six data \
+                 sets cannot show is printed, not gated.",
                 self.data_sets,
                 Self::FULL.data_sets,
                 self.fronts,
@@ -167,9 +167,9 @@ impl Results {
         Reproduction {
             name: STUDY.name,
             summary: format!(
-                "R of a three-state Kalman filter of a rocket tuned by NSGA-II and MOMA over (f1, f2), {} evaluations a \
-                 run, on {} data sets of {} runs each; the paper has one data set. RMSE is measured against the truth, \
-                 which no search sees.",
+                "R of a three-state Kalman filter of a rocket tuned by NSGA-II and MOMA over (f1, f2), {} \
+                 evaluations a run, on {} data sets of {} runs each; the paper has one data set. RMSE is measured \
+                 against the truth, which no search sees.",
                 search::BUDGET,
                 self.plan.data_sets,
                 self.plan.runs

@@ -30,7 +30,7 @@ pub(super) fn write(
     }
     write_problem(folder, problem, &study.winner.candidate, origin)?;
     pictures::write_tuning(folder, problem, study, &tuning.consistency.whiteness)?;
-    write_text(folder, "report.md", &markdown(tuning, &pictures::drawn(folder)))?;
+    write_text(folder, "report.md", &markdown(tuning, &pictures::drawn(folder, tuning)))?;
     write_result(folder, tuning)
 }
 

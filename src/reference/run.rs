@@ -136,6 +136,18 @@ pub fn costs_held_out(problem: &Problem, held_out: &HeldOut, candidate: &[f64]) 
     scores_where(problem, place, &problem.tune.objectives, |trajectory, row| row >= held_out.from[trajectory])
 }
 
+/// As [`costs_held_out`], with what the problem's constraints bound behind the objectives.
+///
+/// # Errors
+/// As [`costs_held_out`].
+///
+/// # Panics
+/// As [`costs_held_out`].
+pub fn scores_held_out(problem: &Problem, held_out: &HeldOut, candidate: &[f64]) -> Result<Vec<f64>, Failure> {
+    let place = (&held_out.log, candidate);
+    scores_where(problem, place, &problem.tune.scorers(), |trajectory, row| row >= held_out.from[trajectory])
+}
+
 /// Values over the rows for which `counts` (trajectory, row) is true.
 fn scores_where(
     problem: &Problem,

@@ -115,6 +115,10 @@ fn the_front_is_scored_on_held_out_rows() {
     let recommended = marked(front, "recommended");
     assert_eq!(recommended["held_out"], json["validation"]["winner"], "scored alike");
     assert!(front.iter().all(|point| point["held_out"]["nll"].is_f64()), "{front:?}");
+    let base = ["tune", "problem.toml", "--objectives", "nll,mse_innovation", "--algorithm", "nsga2"];
+    let text = folder.run(&[&base[..], &["--validate", "0.3"]].concat()).expect(0).stdout;
+    assert!(text.contains("Front, training rows beside held-out rows, f64 ("), "{text}");
+    assert!(text.contains("nll, training") && text.contains("nll, held out"), "{text}");
     let table = folder.read("out/front.csv");
     assert!(table.starts_with("q,r,nll,mse_innovation,held_out.nll,held_out.mse_innovation,marks\n"), "{table}");
 }
@@ -142,6 +146,49 @@ fn a_constraint_is_kept_and_shown() {
     assert_eq!(both["constraints"].as_array().unwrap().len(), 2);
     let text = folder.run(&["tune", "problem.toml", "--constraint", bound]).expect(0).stdout;
     assert!(text.contains("nis_mean <= 0.5") && text.contains("met"), "{text}");
+}
+
+#[test]
+fn a_constraint_is_held_against_held_out_rows_too() {
+    let folder = Folder::with_level();
+    let base = ["tune", "problem.toml", "--validate", "0.3", "--out", "out", "--constraint"];
+    let json = folder.run(&[&base[..], &["nis_mean <= 0.5", "--json"]].concat()).expect(0).json();
+    let (train, held_out) = (&json["constraints"][0], &json["validation"]["constraints"][0]);
+    // By itself: the mean NIS of the tuned filter in the rows from 42 on.
+    folder.run(&["filter", "out/tuned.toml", "--out", "run.csv"]).expect(0);
+    let run = folder.read("run.csv");
+    let mut rows = run.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let column = rows.next().unwrap().iter().position(|name| *name == "nis").expect("a column of NIS");
+    let nis: Vec<f64> = rows.skip(42).map(|row| row[column].parse().unwrap()).collect();
+    let mean = nis.iter().sum::<f64>() / nis.len() as f64;
+    assert_eq!(nis.len(), 18);
+    assert!((held_out["value"].as_f64().unwrap() - mean).abs() < 1e-9, "{held_out}: {mean}");
+    assert!(train["met"] == true && train["value"] != held_out["value"], "{train}");
+    assert_eq!(held_out["met"], mean <= 0.5);
+}
+
+#[test]
+fn a_constraint_missed_on_held_out_rows_is_said() {
+    let folder = Folder::with_level();
+    // The noise grows tenfold in the rows held out.
+    let log = (0..60).fold("t,z\n".to_owned(), |text, k| {
+        let noise = (f64::from(k * 7919 % 13) - 6.0) * if k < 40 { 0.2 } else { 2.0 };
+        format!("{text}{k},{noise:.4}\n")
+    });
+    folder.write("log.csv", log);
+    let tune = ["tune", "problem.toml", "--validate", "0.33", "--constraint", "nis_mean <= 1.5", "--out", "out"];
+    let finished = folder.run(&tune).expect(0);
+    let text = finished.stdout;
+    assert!(text.contains("constraint, f64") && text.contains("held out") && text.contains("not met"), "{text}");
+    assert!(
+        finished.stderr.contains("warning: on held-out data the tuned filter has nis_mean "),
+        "{}",
+        finished.stderr
+    );
+    let report = folder.read("out/report.md");
+    for line in ["| `nis_mean <= 1.5` | training | ", "| `nis_mean <= 1.5` | held out | ", "| **not met** |"] {
+        assert!(report.contains(line), "{line:?} in {report}");
+    }
 }
 
 #[test]

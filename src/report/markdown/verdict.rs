@@ -2,6 +2,7 @@
 
 use super::plain;
 use crate::report::validation::improvement_text;
+use crate::report::warnings::missed_on_held_out;
 use crate::report::{Rows, Tuning, Verdict, short, significant};
 
 /// What was done, what came of it, and whether to use it.
@@ -27,6 +28,9 @@ fn recommendation(tuning: &Tuning) -> String {
         "Do not use the tuned parameters as they are: no candidate meets every constraint.".to_owned()
     } else if validated.is_some_and(|v| v.worse) {
         "Keep your own parameters: the tuned ones are worse than yours on held-out data.".to_owned()
+    } else if missed_on_held_out(tuning).is_some() {
+        "Check before use: on held-out data the tuned filter misses a constraint that it meets on the rows tuned on."
+            .to_owned()
     } else if !improved {
         "Keep your own parameters: the search found none that are better.".to_owned()
     } else if !trusted {

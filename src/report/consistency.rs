@@ -27,6 +27,7 @@ pub use evidence::Evidence;
 pub use uncertainty::{FlatDirection, Uncertainty};
 pub use verdict::{Finding, Verdict};
 pub use whiteness::Whiteness;
+pub(super) use whiteness::normalised;
 
 /// The consistency of one filter run. Means are per degree of freedom: 1 is ideal, NaN (JSON `null`) is no data.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -1,6 +1,5 @@
 //! What the pictures of a filter run need, collected row by row in memory that does not grow with the log.
 
-use nalgebra::Cholesky;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::envelope::Envelope;
@@ -8,6 +7,7 @@ use super::histogram::Histogram;
 use crate::data::{HeldOut, Log, Trajectory};
 use crate::model::{ExprKind, Model, Problem, SplitBy, Symbol};
 use crate::reference::{Estimate, Step, Update};
+use crate::report::consistency::normalised;
 
 /// Most states, and most measurements, that are drawn.
 pub(super) const MOST: usize = 6;
@@ -258,14 +258,4 @@ fn measurement_of(model: &Model, state: usize) -> Option<usize> {
 fn nis_band(components: usize) -> [f64; 2] {
     let chi2 = ChiSquared::new(components as f64);
     [0.025, 0.975].map(|share| chi2.as_ref().map_or(f64::NAN, |chi2| chi2.inverse_cdf(share)))
-}
-
-/// L^-1 nu with S = L L'; empty when S has no factor, which a finished run rules out.
-fn normalised(update: &Update) -> Vec<f64> {
-    if let ([nu], [s]) = (update.nu.as_slice(), update.s.as_slice()) {
-        return vec![nu / s.sqrt()];
-    }
-    let factor = Cholesky::new(update.s.clone());
-    let white = factor.and_then(|c| c.l_dirty().solve_lower_triangular(&update.nu));
-    white.map_or_else(Vec::new, |v| v.as_slice().to_vec())
 }

@@ -98,8 +98,11 @@ impl Results {
     /// Clamped against unclamped searches.
     fn box_table(&self) -> Table {
         let columns = ["search of M", "PIO/KF", "PSO/KF", "PIO/PSO median", "10 %", "90 %", "PSO/optimum median"];
-        let title = "Unclamped and clamped: searches with r = 0.2; the optimum is that of independent local searches \
-         without limits";
+        let title = format!(
+            "Unclamped and clamped: searches with r = 0.2; the optimum is the best of {} independent local searches \
+             without limits",
+            self.plan.local_searches
+        );
         let mut table = Table::new("boxes", title, &columns);
         let mut push = |label: String, pio: &dyn Fn(&DataSet) -> f64, pso: &dyn Fn(&DataSet) -> f64| {
             let ratios = self.ratios(pio, pso);

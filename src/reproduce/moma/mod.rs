@@ -6,7 +6,6 @@
 
 mod brute_force;
 mod ends;
-#[cfg(feature = "figures")]
 mod figures;
 mod findings;
 mod paths;
@@ -141,7 +140,6 @@ fn run(options: &Options, progress: &dyn Progress) -> Result<Reproduction, Repro
     let plan = if options.quick { Plan::QUICK } else { Plan::FULL };
     let results = Results::compute(&bench, plan, options.seed, progress)?;
     let mut report = results.report();
-    #[cfg(feature = "figures")]
     if let Some(shown) = results.shown(&bench)? {
         report.figures = shown.figures()?;
         report.data.extend(shown.tables());

@@ -93,43 +93,55 @@ impl FrontPicture<'_> {
     }
 
     /// The candidates behind the front: one line a member across all parameters, each as its share of the searched
-    /// range. The ends, the knee and the baseline stand out.
+    /// range, and on across the objectives, each as its share of the front's. The ends, the knee and the baseline stand
+    /// out.
     #[must_use]
     pub fn parallel(&self, parameters: &Parameters, candidates: &[&[f64]], baseline: &[f64]) -> Figure {
-        let everyone = candidates.iter().copied().chain([baseline]);
-        let ranges: Vec<Span> = parameters
-            .searched()
-            .enumerate()
-            .map(|(i, (_, search))| {
-                Span::of(search.scale, [search.min, search.max], everyone.clone().filter_map(|c| c.get(i).copied()))
-            })
-            .collect();
-        let line = |candidate: &[f64]| {
-            let shares = candidate.iter().zip(&ranges).enumerate();
-            shares.map(|(i, (value, range))| (i as f64, range.share(*value))).collect::<Vec<_>>()
+        let spans = self.spans(parameters, candidates, baseline);
+        let line = |candidate: &[f64], costs: Option<&[f64]>| {
+            let values = candidate.iter().chain(costs.unwrap_or_default()).zip(&spans).enumerate();
+            values.map(|(i, (value, span))| (i as f64, span.share(*value))).collect::<Vec<_>>()
         };
+        let member = |i: usize| Some(line(candidates.get(i)?, self.members.get(i).copied()));
         let gap = [(f64::NAN, f64::NAN)];
-        let members = candidates.iter().flat_map(|candidate| line(candidate).into_iter().chain(gap));
-        let labels = parameters.names().into_iter().map(str::to_owned);
-        let share = Axis::new("share of the searched range").range(-0.03, 1.03);
-        let mut panel = Panel::new(Axis::new("parameter").labels(labels), share).line(
-            "front",
-            Stroke::new(Colour::Grey).width(0.9),
-            members,
-        );
+        let members = (0..candidates.len()).filter_map(member).flat_map(|line| line.into_iter().chain(gap));
+        let labels = parameters.names().into_iter().chain(self.objectives.iter().copied()).map(str::to_owned);
+        let share = Axis::new("share of the range").range(-0.03, 1.03);
+        let mut panel = Panel::new(
+            Axis::new("parameters (of the searched range), objectives (of the front)").labels(labels),
+            share,
+        )
+        .line("front", Stroke::new(Colour::Grey).width(0.9), members);
         for k in 0..self.objectives.len() {
-            let end = self.end(k).and_then(|end| candidates.get(end));
+            let end = self.end(k).and_then(member);
             let dash = if k % 2 == 0 { Dash::Solid } else { Dash::DashDot };
             let colour = if k < 2 { Colour::Blue } else { Colour::Amber };
             let stroke = Stroke::dashed(colour, dash).width(2.0);
-            panel =
-                panel.line(&format!("best {}", self.objectives[k]), stroke, end.map(|c| line(c)).unwrap_or_default());
+            panel = panel.line(&format!("best {}", self.objectives[k]), stroke, end.unwrap_or_default());
         }
-        if let Some(knee) = self.knee.and_then(|knee| candidates.get(knee)) {
-            panel = panel.line("knee", Stroke::new(Colour::Red).width(2.2), line(knee));
+        if let Some(knee) = self.knee.and_then(member) {
+            panel = panel.line("knee", Stroke::new(Colour::Red).width(2.2), knee);
         }
-        let panel = panel.line("baseline", Stroke::dashed(Colour::Black, Dash::Dashed).width(1.6), line(baseline));
+        // A baseline far from the front would leave the picture; its objectives stand in the front's own.
+        let baseline = line(baseline, self.baseline)
+            .into_iter()
+            .map(|(i, share)| (i, if (-0.03..=1.03).contains(&share) { share } else { f64::NAN }));
+        let panel = panel.line("baseline", Stroke::dashed(Colour::Black, Dash::Dashed).width(1.6), baseline);
         Figure::new(self.title).size(760.0, 280.0).panel(panel)
+    }
+
+    /// What each axis of [`Self::parallel`] spans.
+    fn spans(&self, parameters: &Parameters, candidates: &[&[f64]], baseline: &[f64]) -> Vec<Span> {
+        let everyone = candidates.iter().copied().chain([baseline]);
+        let searched = parameters.searched().enumerate().map(|(i, (_, search))| {
+            Span::of(search.scale, [search.min, search.max], everyone.clone().filter_map(|c| c.get(i).copied()))
+        });
+        let costs = (0..self.objectives.len()).map(|k| {
+            let values: Vec<f64> = self.members.iter().filter_map(|member| member.get(k).copied()).collect();
+            let scale = if is_wide(values.iter().copied()) { Scale::Log } else { Scale::Linear };
+            Span::of(scale, [f64::NEG_INFINITY, f64::INFINITY], values.into_iter())
+        });
+        searched.chain(costs).collect()
     }
 }
 

@@ -108,8 +108,10 @@ impl RunRecord<'_> {
         let figure = self.figure("NIS").size(760.0, 260.0);
         let axis = Axis::new("NIS").log();
         let Some(track) = self.track().filter(|_| nis.rows > 0) else { return figure.panel(self.empty("NIS")) };
-        // The lowest NIS of a long log tell nothing, but would take most of the height.
+        // The lowest NIS of a long log tell nothing, but would take most of the height; where most are below the band
+        // they are what there is to see.
         let low = track.nis_band.band().map(|(_, [low, _])| low).fold(f64::INFINITY, f64::min) / 30.0;
+        let low = low.min(lowest_usual(track.nis.line().map(|(_, nis)| nis)) / 2.0);
         let high = track.nis_band.band().map(|(_, [_, high])| high).fold(f64::NEG_INFINITY, f64::max);
         let high = track.nis.line().map(|(_, nis)| nis).filter(|nis| nis.is_finite()).fold(high, f64::max) * 1.5;
         let axis = if 0.0 < low && low < high && high < 1e300 { axis.range(low, high) } else { axis };
@@ -216,6 +218,13 @@ fn of_course(axis: Axis, values: impl Iterator<Item = f64>, band: &Envelope) -> 
     let room = 0.05 * (high - low);
     // Constant values, or none, are left to the axis.
     if room > 1e-9 * low.abs().max(high.abs()) && room < 1e299 { axis.range(low - room, high + room) } else { axis }
+}
+
+/// The value that one in twenty of the positive ones is below; infinite if there is none.
+fn lowest_usual(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.filter(|v| (1e-300..1e300).contains(v)).collect();
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 20).copied().unwrap_or(f64::INFINITY)
 }
 
 /// Errors but for the few far beyond all others, as those of a wrong x0 are in the first rows.

@@ -117,7 +117,7 @@ pub enum Marker {
     Circle,
     /// Large open circle, around another marker.
     Ring,
-    /// x.
+    /// x, with a white edge.
     Cross,
     /// +.
     Plus,
@@ -152,7 +152,7 @@ impl Marker {
             Self::Dot | Self::Disc => "h0",
             Self::Circle => "m-3.6 0a3.6 3.6 0 1 0 7.2 0a3.6 3.6 0 1 0-7.2 0",
             Self::Ring => "m-8 0a8 8 0 1 0 16 0a8 8 0 1 0-16 0",
-            Self::Cross => "m-4-4l8 8m0-8l-8 8",
+            Self::Cross => "m-5-5l10 10m0-10l-10 10",
             Self::Plus => "m-5 0h10m-5-5v10",
             Self::Square => "m-3.6-3.6h7.2v7.2h-7.2z",
             Self::Triangle => "m0-6l5.4 9.4h-10.8z",

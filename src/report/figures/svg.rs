@@ -129,6 +129,13 @@ impl Svg {
             return;
         }
         let width = marker.line();
+        if marker == Marker::Cross {
+            let edge = width + 2.5;
+            let _ = writeln!(
+                self.out,
+                "<path d=\"{path}\" fill=\"none\" stroke=\"#ffffff\" stroke-width=\"{edge}\" stroke-linecap=\"round\"/>"
+            );
+        }
         let _ = writeln!(
             self.out,
             "<path d=\"{path}\" fill=\"none\" stroke=\"{hex}\" stroke-width=\"{width}\" stroke-linecap=\"round\"/>"

@@ -5,6 +5,8 @@ use super::text;
 
 /// Size of tick labels \[px\].
 pub(super) const LABEL: f64 = 12.0;
+/// Labels that a vertical axis has at least, where its values allow: one or two leave its scale to be guessed.
+const LEAST: usize = 3;
 
 /// The marks along an axis.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -46,7 +48,14 @@ impl Ticks {
 
     /// For the vertical axis of a height \[px\].
     pub(super) fn up(axis: &Axis, scale: Scale, height: f64) -> Self {
-        Self::at_most(axis, scale, ((height / 32.0) as usize).clamp(2, 9))
+        let most = ((height / 32.0) as usize).clamp(2, 9);
+        let ticks = Self::at_most(axis, scale, most);
+        if ticks.major.len() >= LEAST {
+            return ticks;
+        }
+        // The next smaller step puts at most five where there were two.
+        let mut closer = (most + 1..=3 * most).map(|most| Self::at_most(axis, scale, most));
+        closer.find(|ticks| ticks.major.len() >= LEAST).unwrap_or(ticks)
     }
 
     /// Width of the widest label \[px\].
@@ -207,6 +216,18 @@ mod tests {
         assert_eq!(labels(&axis, [1e-6, 1e2]).0.join(" "), "1e-6 1e-4 0.01 1 100");
         assert_eq!(labels(&axis, [1.0, 40.0]).0.join(" "), "1 2 5 10 20");
         assert_eq!(labels(&axis, [3.1, 3.9]).0.join(" "), "3.2 3.4 3.6 3.8");
+    }
+
+    #[test]
+    fn a_low_panel_still_says_its_scale() {
+        let axis = Axis::new("v");
+        for data in [[-4.6, 4.9], [-180.0, 3860.0], [-19.0, 76.0], [0.11, 0.19]] {
+            let ticks = Ticks::up(&axis, axis.scale(data.into_iter(), 0.0).unwrap(), 150.0);
+            assert!((3..=6).contains(&ticks.major.len()), "{data:?}: {ticks:?}");
+        }
+        let counts = Axis::new("failed").whole();
+        let ticks = Ticks::up(&counts, counts.scale([0.0, 1.0].into_iter(), 0.0).unwrap(), 150.0);
+        assert_eq!(ticks.major.len(), 2, "no ticks between 0 and 1: {ticks:?}");
     }
 
     #[test]

@@ -72,7 +72,8 @@ impl Shown<'_> {
     /// (a) measured and estimated, (b) estimated and true.
     fn track_figure(&self, estimates: &Estimates) -> Result<Figure, FigureError> {
         let Estimates { label, number, positions, j } = estimates;
-        let panel = |title: &str| Panel::new(Axis::new("x"), Axis::new("y")).title(title);
+        let [x, y] = self.axes(positions);
+        let panel = |title: &str| Panel::new(x.clone(), y.clone()).title(title);
         let estimate = Stroke::new(Colour::Blue);
         let measured = panel("(a) measured and estimated")
             .points("measured", (Marker::Dot, Colour::Grey), self.points(|t| &t.z))
@@ -87,6 +88,19 @@ impl Shown<'_> {
             caption: format!("As the paper's Fig. {number}: track of {label}, J in-sample."),
             svg,
         })
+    }
+
+    /// Axes that show measurements, truth and estimates, the same in (a) and (b).
+    fn axes(&self, positions: &[(f64, f64)]) -> [Axis; 2] {
+        let all = [self.points(|t| &t.z), self.points(|t| &t.truth), positions.to_vec()].concat();
+        let axis = |name: &str, values: Vec<f64>| {
+            let [low, high] =
+                values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(*v), high.max(*v)]);
+            let room = 0.04 * (high - low);
+            Axis::new(name).range(low - room, high + room)
+        };
+        let (x, y) = all.into_iter().unzip();
+        [axis("x", x), axis("y", y)]
     }
 
     /// Best J against iteration.

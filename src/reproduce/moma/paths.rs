@@ -11,7 +11,6 @@ const SMALL: f64 = 10.0;
 #[derive(Debug, Clone)]
 pub(super) struct Path {
     /// (d, v, a) of each row.
-    #[cfg_attr(not(feature = "figures"), expect(dead_code, reason = "only pictures show it"))]
     pub(super) states: Vec<[f64; 3]>,
     /// Euclidean error of all three states at each row, k = 0 first.
     pub(super) errors: Vec<f64>,

@@ -31,7 +31,6 @@ pub(super) struct Found {
     /// R of the first individual of the sorted last population: the study's answer.
     pub(super) r: f64,
     /// (f1, f2) of the last population, in its order.
-    #[cfg_attr(not(feature = "figures"), expect(dead_code, reason = "only pictures show it"))]
     pub(super) population: Vec<[f64; 2]>,
     /// Evaluations spent.
     pub(super) evaluations: u64,

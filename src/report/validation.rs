@@ -119,8 +119,21 @@ impl Validation {
             (Some(baseline), Some(winner)) if better_throughout(baseline, winner) => {
                 "The tuned parameters are better than yours on held-out data."
             }
+            _ if self.is_trade() => {
+                "On held-out data the tuned parameters are better than yours under one objective and worse under another."
+            }
             _ => "The tuned parameters are no worse than yours on held-out data.",
         }
+    }
+}
+
+impl Validation {
+    /// Whether the winner is better than the baseline under one objective and worse under another on the held-out rows.
+    #[must_use]
+    pub fn is_trade(&self) -> bool {
+        let (Some(baseline), Some(winner)) = (&self.baseline, &self.winner) else { return false };
+        let pairs = || winner.iter().zip(baseline.iter()).map(|((_, winner), (_, baseline))| (winner, baseline));
+        pairs().any(|(w, b)| w > b) && pairs().any(|(w, b)| w < b)
     }
 }
 
@@ -240,6 +253,48 @@ impl fmt::Display for Validation {
                 let more = if held_out.trajectories > LISTED { ", ..." } else { "" };
                 write!(f, " ({}{more})", listed.join(", "))
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn on_held_out(baseline: [f64; 2], winner: [f64; 2]) -> Validation {
+        let named = |values: [f64; 2]| Named::new(["nll", "rmse"], values);
+        let unknown = || Named::new(["nll", "rmse"], [None, None]);
+        let part = Part { rows: 10, trajectories: 1 };
+        Validation {
+            by: SplitBy::Time,
+            fresh: false,
+            share: 0.5,
+            train: part,
+            held_out: part,
+            trajectories: Vec::new(),
+            worse: is_worse(Some(&baseline), Some(&winner)),
+            baseline: Some(named(baseline)),
+            winner: Some(named(winner)),
+            improvement_train: unknown(),
+            improvement_held_out: unknown(),
+            overfit_gap: unknown(),
+            raw_measurements: Named::default(),
+        }
+    }
+
+    #[test]
+    fn a_trade_on_held_out_data_is_called_one() {
+        for (winner, said) in [
+            ([1.0, 1.0], "The tuned parameters are better than yours on held-out data."),
+            ([1.0, 2.0], "The tuned parameters are no worse than yours on held-out data."),
+            ([2.0, 2.0], "The tuned parameters are no worse than yours on held-out data."),
+            ([2.0, 3.0], "The tuned parameters are worse than yours on held-out data."),
+            (
+                [1.0, 3.0],
+                "On held-out data the tuned parameters are better than yours under one objective and worse under another.",
+            ),
+        ] {
+            assert_eq!(on_held_out([2.0, 2.0], winner).sentence(), said, "{winner:?}");
         }
     }
 }

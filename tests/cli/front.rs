@@ -274,3 +274,29 @@ fn a_front_resumes_to_the_same_bits() {
     let resumed = run(&folder, &["--algorithm", "random", "--resume", "part.kfgpu"]).expect(0).json();
     assert_eq!((&resumed["front"], &resumed["front_summary"]), (&whole["front"], &whole["front_summary"]));
 }
+
+/// NIS at half of what it should be costs likelihood, so the winner has a higher nll than the start that breaks the bound.
+#[test]
+fn what_meets_a_constraint_is_not_called_worse_for_its_cost() {
+    let folder = Folder::with_level();
+    folder.run(&["tune", "problem.toml", "--out", "best"]).expect(0);
+    let arguments = ["tune", "best/tuned.toml", "--json", "--out", "out", "--constraint", "nis_mean <= 0.5"];
+    let json = folder.run(&arguments).expect(0).json();
+    let check = &json["constraints"][0];
+    assert!(check["met"] == true && check["baseline"].as_f64() > Some(0.5), "{check}");
+    assert!(json["objectives"]["nll"].as_f64() > json["baseline"]["objectives"]["nll"].as_f64(), "{json}");
+    let report = folder.read("out/report.md");
+    assert!(report.contains("**The tuned parameters meet every constraint, which yours do not"), "{report}");
+}
+
+/// The start is the best in one objective, so whatever is recommended beside it is a trade.
+#[test]
+fn a_trade_is_not_called_better() {
+    let folder = Folder::with_level();
+    folder.run(&["tune", "problem.toml", "--out", "best"]).expect(0);
+    let arguments = ["tune", "best/tuned.toml", "--algorithm", "nsga2", "--objectives", "nll,nis", "--out", "out"];
+    folder.run(&[&arguments[..], &["--pick", "nis"]].concat()).expect(0);
+    let report = folder.read("out/report.md");
+    let trade = "**The tuned parameters are better than yours under `nis` and worse under `nll`";
+    assert!(report.contains(trade), "{report}");
+}

@@ -129,13 +129,15 @@ pub(super) fn front(tuning: &Tuning) -> Option<String> {
     let line =
         recommended.map_or_else(String::new, |point| format!("\n\nRecommended: {}.", summary.given_up_line(point)));
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
-    let listed =
-        if rows.len() < points.len() { ", of which those with a mark are listed; front.csv has all" } else { "" };
-    Some(format!(
-        "## Front\n\nNo candidate is best under every objective. These {} are those that no other beats in all of them{listed}.\n\n{}{line}",
-        points.len(),
-        table(&header, &rows)
-    ))
+    let listed = if rows.len() < points.len() { ". Those with a mark are listed; front.csv has all" } else { "" };
+    let meaning = match points.len() {
+        1 => "One candidate is the best under every objective at once".to_owned(),
+        members => format!(
+            "No candidate is best under every objective. For each of these {members}, no other is as good in every \
+             objective and better in one"
+        ),
+    };
+    Some(format!("## Front\n\n{meaning}{listed}.\n\n{}{line}", table(&header, &rows)))
 }
 
 pub(super) fn consistency(tuning: &Tuning) -> Option<String> {

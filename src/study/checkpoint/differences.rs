@@ -68,10 +68,12 @@ mod tests {
             "[model]\nf = [\"2*x\"]\n[tune]\nseed = 8\nstop = { stall = 9 }\npolish = true\n[parameters]\nr = 1\n";
         let expected = "model.f is [\"x\"] there and [\"2*x\"] here, tune.population is 9 there and absent here, tune.seed \
                         is 7 there and 8 here";
-        assert_eq!(between(saved, here), expected);
-        assert_eq!(between(saved, &here.replace("r = 1", "r = 2")).matches(" is ").count(), NAMED);
-        assert!(between(saved, &here.replace("r = 1", "r = 2")).ends_with(", and 1 more"));
-        assert_eq!(between(saved, saved), "");
-        assert_eq!(between("no = [toml", here), "");
+        assert_eq!(of_searches(saved, here), expected);
+        assert_eq!(of_searches(saved, &here.replace("r = 1", "r = 2")).matches(" is ").count(), NAMED);
+        assert!(of_searches(saved, &here.replace("r = 1", "r = 2")).ends_with(", and 1 more"));
+        assert_eq!(of_searches(saved, saved), "");
+        assert_eq!(of_searches("data.a = 1", "data.a = 2"), "");
+        assert_eq!(of_logs("data.a = 1", "data.a = 2"), "data.a is 1 there and 2 here");
+        assert_eq!(of_searches("no = [toml", here), "");
     }
 }

@@ -121,18 +121,19 @@ pub(super) fn front(tuning: &Tuning) -> Option<String> {
     let row = |i: usize| {
         let values = |named: &Named<f64>| named.iter().map(|(_, value)| short(*value, 6)).collect::<Vec<_>>();
         let held_out = held_out_cells(&points[i], validated, 6).collect();
-        let marks = vec![points[i].marks.join(", ")];
+        let marks = vec![plain(&points[i].marks.join(", "))];
         [values(&points[i].objectives), held_out, values(&points[i].parameters), marks].concat()
     };
     let rows: Vec<Vec<String>> = (0..points.len()).filter(shown).map(row).collect();
     let recommended = points.iter().find(|p| p.marks.first().is_some_and(|mark| mark == "recommended"));
     let line =
-        recommended.map_or_else(String::new, |point| format!("\n\nRecommended: {}.", summary.given_up_line(point)));
+        recommended.map_or_else(String::new, |point| format!("\n\nRecommended: {}.", plain(&summary.given_up_line(point))));
+    let baseline = summary.baseline_line(points.len());
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
     let listed =
         if rows.len() < points.len() { ", of which those with a mark are listed; front.csv has all" } else { "" };
     Some(format!(
-        "## Front\n\nNo candidate is best under every objective. These {} are those that no other beats in all of them{listed}.\n\n{}{line}",
+        "## Front\n\nNo candidate is best under every objective. These {} are those that no other beats in all of them{listed}.\n\n{}{line} {baseline}",
         points.len(),
         table(&header, &rows)
     ))
@@ -164,7 +165,8 @@ pub(super) fn consistency(tuning: &Tuning) -> Option<String> {
     }
     for w in c.whiteness.iter().filter(|w| w.is_tested()) {
         let name = format!("autocorrelation of {}, lag 1", plain(&w.measurement));
-        let found = format!("Ljung-Box p = {}", significant(w.p_value, 2));
+        let p_value = if w.p_value < 1e-4 { "< 1e-4".to_owned() } else { format!("= {}", significant(w.p_value, 2)) };
+        let found = format!("Ljung-Box p {}", plain(&p_value));
         rows.push(vec![name, short(w.lag_1(), 3), range(-w.band, w.band), found]);
     }
     let findings: Vec<String> =

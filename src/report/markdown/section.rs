@@ -126,8 +126,8 @@ pub(super) fn front(tuning: &Tuning) -> Option<String> {
     };
     let rows: Vec<Vec<String>> = (0..points.len()).filter(shown).map(row).collect();
     let recommended = points.iter().find(|p| p.marks.first().is_some_and(|mark| mark == "recommended"));
-    let line =
-        recommended.map_or_else(String::new, |point| format!("\n\nRecommended: {}.", plain(&summary.given_up_line(point))));
+    let line = recommended
+        .map_or_else(String::new, |point| format!("\n\nRecommended: {}.", plain(&summary.given_up_line(point))));
     let baseline = summary.baseline_line(points.len());
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
     let listed =

@@ -113,10 +113,9 @@ impl fmt::Display for Consistency {
                 continue;
             }
             let (lag, lags) = (w.lag_1(), autocorrelation.len());
-            writeln!(
-                f,
-                "  white {measurement}: lag 1 {lag:+.3} (band {band:.3}), Ljung-Box over {lags} lags p = {p_value:.2e}"
-            )?;
+            write!(f, "  white {measurement}: lag 1 {lag:+.3} (band {band:.3}), Ljung-Box over {lags} lags p ")?;
+            // Below the smallest number of double precision it comes out as 0, which no probability of a test is.
+            if *p_value > 0.0 { writeln!(f, "= {p_value:.2e}")? } else { writeln!(f, "< 1e-300")? }
         }
         for finding in &self.findings {
             writeln!(f, "  {}: {}", finding.verdict, finding.advice)?;

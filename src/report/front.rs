@@ -153,7 +153,7 @@ impl FrontSummary {
     }
 
     /// How the front stands to the user's own candidate.
-    fn baseline_line(&self, members: usize) -> String {
+    pub(super) fn baseline_line(&self, members: usize) -> String {
         match self.dominate_baseline {
             _ if !self.baseline_feasible => "The baseline does not meet every constraint.".to_owned(),
             None => "The baseline fails, so it cannot be compared.".to_owned(),
@@ -260,7 +260,7 @@ mod tests {
         assert_eq!(line, "knee: nll 3.2 % above its best, rmse 1.1 % above its best");
         let end = summary("best nll", [-5.0, 1e-9], [Some(0.0), Some(4e7)]);
         let line = end.given_up_line(&point(0, [-5.0, 0.04], &["recommended", "best nll"]));
-        assert_eq!(line, "best nll: nll at its best, rmse 0.04 (best 1.00e-9)");
+        assert_eq!(line, "best nll: nll at its best, rmse 0.04 (best 1e-9)");
     }
 
     #[test]

@@ -23,7 +23,7 @@ impl RunRecord<'_> {
         let shown = states.len().min(MOST);
         let left_out =
             if shown < states.len() { format!(", first {shown} of {} states", states.len()) } else { String::new() };
-        let figure = self.figure(&format!("measurements and estimates{left_out}"));
+        let figure = self.figure(&format!("estimates{left_out}"));
         let Some(track) = self.track() else { return figure.panel(self.empty("state")) };
         let alone = (0..track.measurements.len()).filter(|i| !self.measured_as.contains(&Some(*i)));
         let alone = alone.take(MOST - shown.min(MOST - 2)).map(|i| self.measurement(&track.measurements[i], i));

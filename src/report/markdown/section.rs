@@ -121,13 +121,14 @@ pub(super) fn front(tuning: &Tuning) -> Option<String> {
     let row = |i: usize| {
         let values = |named: &Named<f64>| named.iter().map(|(_, value)| short(*value, 6)).collect::<Vec<_>>();
         let held_out = held_out_cells(&points[i], validated, 6).collect();
-        let marks = vec![points[i].marks.join(", ")];
+        let marks = vec![plain(&points[i].marks.join(", "))];
         [values(&points[i].objectives), held_out, values(&points[i].parameters), marks].concat()
     };
     let rows: Vec<Vec<String>> = (0..points.len()).filter(shown).map(row).collect();
     let recommended = points.iter().find(|p| p.marks.first().is_some_and(|mark| mark == "recommended"));
-    let line =
-        recommended.map_or_else(String::new, |point| format!("\n\nRecommended: {}.", summary.given_up_line(point)));
+    let line = recommended
+        .map_or_else(String::new, |point| format!("\n\nRecommended: {}.", plain(&summary.given_up_line(point))));
+    let baseline = summary.baseline_line(points.len());
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
     let listed = if rows.len() < points.len() { ". Those with a mark are listed; front.csv has all" } else { "" };
     let meaning = match points.len() {
@@ -137,7 +138,7 @@ pub(super) fn front(tuning: &Tuning) -> Option<String> {
              objective and better in one"
         ),
     };
-    Some(format!("## Front\n\n{meaning}{listed}.\n\n{}{line}", table(&header, &rows)))
+    Some(format!("## Front\n\n{meaning}{listed}.\n\n{}{line} {baseline}", table(&header, &rows)))
 }
 
 pub(super) fn consistency(tuning: &Tuning) -> Option<String> {
@@ -166,7 +167,8 @@ pub(super) fn consistency(tuning: &Tuning) -> Option<String> {
     }
     for w in c.whiteness.iter().filter(|w| w.is_tested()) {
         let name = format!("autocorrelation of {}, lag 1", plain(&w.measurement));
-        let found = format!("Ljung-Box p = {}", significant(w.p_value, 2));
+        let p_value = if w.p_value < 1e-4 { "< 1e-4".to_owned() } else { format!("= {}", significant(w.p_value, 2)) };
+        let found = format!("Ljung-Box p {}", plain(&p_value));
         rows.push(vec![name, short(w.lag_1(), 3), range(-w.band, w.band), found]);
     }
     let findings: Vec<String> =

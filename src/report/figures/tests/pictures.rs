@@ -72,7 +72,7 @@ fn pictures_of_a_run_name_what_they_show() {
     let log = simulate(&problem, None).unwrap();
     let found = of_run(&problem, &log);
     let legend = ["3-sigma band", "measured", "truth", "smoothed", "estimate"];
-    expect(&found, "estimates", &[&["rocket: measurements and estimates", "k", "d", "v", "a"][..], &legend].concat());
+    expect(&found, "estimates", &[&["rocket: estimates", "k", "d", "v", "a"][..], &legend].concat());
     expect(&found, "errors", &["rocket: estimation errors", "error of v", "estimate minus truth"]);
     expect(&found, "innovations", &["innovation of range", "± 2 sqrt(S)", "k"]);
     expect(&found, "nis", &["NIS", "95 % band"]);

@@ -207,15 +207,19 @@ impl Nsga2 {
     /// Mutates children that are there already, in order, until they are not; each draws from a stream of its own.
     fn make_distinct(&self, children: &mut Population) {
         let mutation = self.mutation();
-        let mut seen: HashSet<u64> = self.x.rows().map(fingerprint).collect();
-        for i in 0..children.len() {
+        let mut seen = HashSet::with_capacity(self.x.len() + children.len());
+        seen.extend(fingerprints(&self.x));
+        for (i, mark) in fingerprints(children).into_iter().enumerate() {
+            if seen.insert(mark) {
+                continue;
+            }
             let child = children.row_mut(i);
             let mut stream = self.stream(Purpose::Distinction, i);
             for _ in 0..ATTEMPTS {
+                mutation.apply(child, &self.ranges, &mut stream);
                 if seen.insert(fingerprint(child)) {
                     break;
                 }
-                mutation.apply(child, &self.ranges, &mut stream);
             }
         }
     }
@@ -253,6 +257,10 @@ impl Nsga2 {
         }
         (self.x, self.scores, self.ranking) = (x, scores, ranking);
     }
+}
+
+fn fingerprints(x: &Population) -> Vec<u64> {
+    x.values().par_chunks(x.dimension()).with_min_len(2 * PAIRS_A_TASK).map(fingerprint).collect()
 }
 
 /// 64 bits that stand for a position; that two positions share them, once in 1e9 generations of 100,000, costs one of

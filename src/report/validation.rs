@@ -279,6 +279,7 @@ mod tests {
             improvement_held_out: unknown(),
             overfit_gap: unknown(),
             raw_measurements: Named::default(),
+            constraints: Vec::new(),
         }
     }
 

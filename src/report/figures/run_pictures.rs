@@ -108,8 +108,11 @@ impl RunRecord<'_> {
         let figure = self.figure("NIS").size(760.0, 260.0);
         let axis = Axis::new("NIS").log();
         let Some(track) = self.track().filter(|_| nis.rows > 0) else { return figure.panel(self.empty("NIS")) };
-        // The lowest NIS of a long log tell nothing, but would take most of the height.
+        // The lowest NIS of a long log tell nothing, but would take most of the height; where most are low, they tell all.
         let low = track.nis_band.band().map(|(_, [low, _])| low).fold(f64::INFINITY, f64::min) / 30.0;
+        let mut values: Vec<f64> = track.nis.line().map(|(_, nis)| nis).filter(|nis| *nis > 0.0).collect();
+        values.sort_by(f64::total_cmp);
+        let low = values.get(values.len() / 10).map_or(low, |nis| low.min(0.3 * nis));
         let high = track.nis_band.band().map(|(_, [_, high])| high).fold(f64::NEG_INFINITY, f64::max);
         let high = track.nis.line().map(|(_, nis)| nis).filter(|nis| nis.is_finite()).fold(high, f64::max) * 1.5;
         let axis = if 0.0 < low && low < high && high < 1e300 { axis.range(low, high) } else { axis };
@@ -133,7 +136,7 @@ impl RunRecord<'_> {
                 if w.p_value < 1e-4 { "< 1e-4".to_owned() } else { format!("= {}", significant(w.p_value, 2)) };
             let title = match w.autocorrelation.len() {
                 0 => format!("{}: too few values", w.measurement),
-                _ => format!("{}: {} values, Ljung-Box p {p_value}", w.measurement, w.count),
+                _ => format!("{}: Ljung-Box p {p_value}", w.measurement),
             };
             let end = w.autocorrelation.len() as f64 + 1.0;
             let lag = Axis::new("lag").unit("measured rows").whole().range(0.0, end);

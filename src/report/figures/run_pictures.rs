@@ -135,7 +135,7 @@ impl RunRecord<'_> {
                 if w.p_value < 1e-4 { "< 1e-4".to_owned() } else { format!("= {}", significant(w.p_value, 2)) };
             let title = match w.autocorrelation.len() {
                 0 => format!("{}: too few values", w.measurement),
-                _ => format!("{}: {} values, Ljung-Box p {p_value}", w.measurement, w.count),
+                _ => format!("{}: Ljung-Box p {p_value}", w.measurement),
             };
             let end = w.autocorrelation.len() as f64 + 1.0;
             let lag = Axis::new("lag").unit("measured rows").whole().range(0.0, end);

@@ -82,7 +82,8 @@ fn what_was_done(tuning: &Tuning) -> String {
     let effort = &tuning.effort;
     let names: Vec<String> = tuning.objectives.iter().map(|(name, _)| format!("`{name}`")).collect();
     let count = tuning.parameters.iter().len();
-    let parameters = if count == 1 { "one parameter".to_owned() } else { format!("{count} parameters") };
+    let (parameters, were) =
+        if count == 1 { ("one parameter".to_owned(), "was") } else { (format!("{count} parameters"), "were") };
     let rows = match &tuning.validation {
         None => "every row of it".to_owned(),
         Some(v) if v.fresh => format!("{} realisations of it", v.train.trajectories),
@@ -90,7 +91,7 @@ fn what_was_done(tuning: &Tuning) -> String {
     };
     format!(
         "A Kalman filter estimates states from noisy measurements, and is only as good as the noise it assumes. Here {parameters} \
-         of the filter in `{}` were searched on the log `{}`, {rows}, so that {} {} as small as possible. \"Start\" stands \
+         of the filter in `{}` {were} searched on the log `{}`, {rows}, so that {} {} as small as possible. \"Start\" stands \
          for the values that the problem file gives, \"tuned\" for the best found.",
         effort.problem,
         effort.log.source,

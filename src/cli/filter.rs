@@ -35,7 +35,7 @@ pub(super) struct Filter {
 
     /// Add columns of smoothed states and covariances, which take all measurements of the trajectory into account, later
     /// ones too (default: the filter's alone, which knows no future); for looking back at a finished log, not for what a
-    /// filter would have done at the time.
+    /// filter would have done at the time. An adaptive filter is smoothed with the Q and R that it used on the way.
     #[arg(long)]
     smooth: bool,
 

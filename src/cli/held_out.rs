@@ -5,7 +5,7 @@ use clap::Args;
 
 use super::load::Origin;
 use super::overrides::Override;
-use crate::data::{Log, Split};
+use crate::data::{HeldOut, Log, Split};
 use crate::model::Problem;
 use crate::report::{Rows, Tuning};
 
@@ -65,8 +65,7 @@ pub(super) fn doubts(problem: &Problem, split: &Split, origin: &Origin) -> Vec<S
     single.then(|| SINGLE_REALISATION.to_owned()).into_iter().chain(split.warnings(problem)).collect()
 }
 
-/// The log of the rows that consistency was judged on, and of those before them.
-pub(super) fn judged_log<'a>(split: &'a Split, tuning: &Tuning) -> &'a Log {
-    let held_out = split.held_out.as_ref().filter(|_| tuning.consistency_on == Rows::HeldOut);
-    held_out.map_or(&split.train, |held_out| &held_out.log)
+/// The held-out rows, if consistency was judged on them.
+pub(super) fn judged<'a>(split: &'a Split, tuning: &Tuning) -> Option<&'a HeldOut> {
+    split.held_out.as_ref().filter(|_| tuning.consistency_on == Rows::HeldOut)
 }

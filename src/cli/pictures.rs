@@ -3,15 +3,13 @@
 use std::path::Path;
 
 use super::files::OutFolder;
-use crate::data::Log;
+use crate::data::{HeldOut, Log};
 use crate::evaluate::{CpuEvaluator, CpuOptions, Precision};
-use crate::model::Problem;
+use crate::model::{Problem, SplitBy};
 use crate::objective::Objective;
 use crate::reference;
-use crate::report::figures::{
-    Figure, FrontPicture, RunRecord, autocorrelation, convergence, hypervolume, landscape, titled,
-};
-use crate::report::{Picture, Whiteness};
+use crate::report::figures::{Figure, FrontPicture, RunRecord, convergence, hypervolume, landscape, titled};
+use crate::report::{Picture, Rows, Tuning, Whiteness};
 use crate::study::{Outcome, Winner};
 
 /// Folder of the pictures inside that of `tune --out`.
@@ -54,8 +52,8 @@ pub(super) struct Study<'a> {
 pub(super) struct Logs<'a> {
     /// What was tuned on: the cost.
     pub(super) train: &'a Log,
-    /// What the tuned filter is shown on.
-    pub(super) run: &'a Log,
+    /// What the tuned filter is shown on; what was tuned on where that is nothing.
+    pub(super) held_out: Option<&'a HeldOut>,
 }
 
 type Pictures = Vec<(&'static str, Figure)>;
@@ -76,7 +74,7 @@ pub(super) fn write_tuning(
     let around = landscape(problem, &winner.candidate, baseline, evaluations, &mut evaluator);
     pictures.push(("landscape.svg", around));
     pictures.extend(of_front(problem, outcome));
-    pictures.extend(of_run(problem, logs.run, &winner.candidate, whiteness)?);
+    pictures.extend(of_run(problem, logs, &winner.candidate, whiteness)?);
     write(&folder.path().join(FOLDER), &pictures)
 }
 
@@ -92,9 +90,23 @@ pub(super) fn clear(folder: &OutFolder) -> anyhow::Result<()> {
 }
 
 /// The pictures that stand in the folder of a study, in their order.
-pub(super) fn drawn(folder: &OutFolder) -> Vec<Picture> {
+pub(super) fn drawn(folder: &OutFolder, tuning: &Tuning) -> Vec<Picture> {
     let there = NAMES.iter().filter(|name| folder.path().join(FOLDER).join(name).is_file());
-    there.map(|name| Picture { path: format!("{FOLDER}/{name}"), caption: caption(name).to_owned() }).collect()
+    let caption = |name: &str| format!("{}{}", caption(name), rows_shown(name, tuning));
+    there.map(|name| Picture { path: format!("{FOLDER}/{name}"), caption: caption(name) }).collect()
+}
+
+/// Which rows a picture of the filter shows, where not all were tuned on.
+fn rows_shown(name: &str, tuning: &Tuning) -> &'static str {
+    let over_time = matches!(name, "estimates.svg" | "errors.svg" | "innovations.svg" | "nis.svg");
+    let pooled = matches!(name, "autocorrelation.svg" | "histogram.svg");
+    let Some(validation) = tuning.validation.as_ref().filter(|_| over_time || pooled) else { return "" };
+    match (tuning.consistency_on, validation.by) {
+        (Rows::InSample, _) => " Of the rows tuned on: on the held-out ones the filter fails.",
+        (Rows::HeldOut, SplitBy::Time) if over_time => " Rows after the dotted line were held out.",
+        (Rows::HeldOut, SplitBy::Trajectory) if over_time => " Shown is a trajectory that was held out.",
+        (Rows::HeldOut, _) => " Of the held-out rows alone.",
+    }
 }
 
 /// What a picture shows, for somebody who has not seen the tool.
@@ -124,7 +136,7 @@ pub(super) fn write_run(
     candidate: &[f64],
     whiteness: &[Whiteness],
 ) -> anyhow::Result<()> {
-    write(folder, &of_run(problem, log, candidate, whiteness)?)
+    write(folder, &of_run(problem, Logs { train: log, held_out: None }, candidate, whiteness)?)
 }
 
 /// Of a study of several objectives.
@@ -155,8 +167,11 @@ fn of_front(problem: &Problem, outcome: &Outcome) -> Pictures {
     ]
 }
 
-fn of_run(problem: &Problem, log: &Log, candidate: &[f64], whiteness: &[Whiteness]) -> anyhow::Result<Pictures> {
-    let mut record = RunRecord::new(problem, log);
+fn of_run(problem: &Problem, logs: Logs<'_>, candidate: &[f64], whiteness: &[Whiteness]) -> anyhow::Result<Pictures> {
+    let (log, mut record) = match logs.held_out {
+        Some(held_out) => (&held_out.log, RunRecord::of_held_out(problem, held_out)),
+        None => (logs.train, RunRecord::new(problem, logs.train)),
+    };
     reference::visit(problem, log, candidate, &mut |trajectory, step| record.add(trajectory, step))?;
     let n = problem.model.states.len();
     if let Some(trajectory) = record.finish()
@@ -171,7 +186,7 @@ fn of_run(problem: &Problem, log: &Log, candidate: &[f64], whiteness: &[Whitenes
         ("estimates.svg", record.estimates()),
         ("innovations.svg", record.innovations()),
         ("nis.svg", record.nis()),
-        ("autocorrelation.svg", autocorrelation(problem, whiteness)),
+        ("autocorrelation.svg", record.autocorrelation(whiteness)),
         ("histogram.svg", record.histogram()),
     ];
     pictures.extend(record.errors().map(|errors| ("errors.svg", errors)));

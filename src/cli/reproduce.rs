@@ -15,8 +15,8 @@ use crate::reproduce::{self, Options, Progress, PublishedStudy, Reproduction, ST
 
 /// Run a published study again: its table beside ours, and targets that pass or fail (exit code 1 if one fails).
 ///
-/// Studies: kf-pio (pigeon-inspired optimisation against particle swarms, one objective), moma (a multi-objective memetic
-/// algorithm against adaptive filters), or all of them. docs/reproductions.md shows both as they were run.
+/// Studies: kf-pio (pigeon-inspired optimisation against particle swarms, one objective), moma (a multi-objective
+/// memetic algorithm against adaptive filters), or all of them. docs/reproductions.md shows both as they were run.
 #[derive(Debug, Args)]
 pub(super) struct Reproduce {
     /// Study, or `all`.

@@ -23,14 +23,14 @@ pub(super) fn write(
     tuning: &Tuning,
     study: &pictures::Study<'_>,
 ) -> anyhow::Result<()> {
-    clear(folder)?;
+    clear(folder, &problem.source)?;
     write_history(folder, &study.outcome.history)?;
     if let Some(points) = &tuning.front {
         folder.write("front.csv", |out| Ok(write_front(points, out)?))?;
     }
     write_problem(folder, problem, &study.winner.candidate, origin)?;
     pictures::write_tuning(folder, problem, study, &tuning.consistency.whiteness)?;
-    write_text(folder, "report.md", &markdown(tuning, &pictures::drawn(folder)))?;
+    write_text(folder, "report.md", &markdown(tuning, &pictures::drawn(folder, tuning)))?;
     write_result(folder, tuning)
 }
 
@@ -41,17 +41,21 @@ pub(super) fn write_nothing(
     history: &[Generation],
     why: &str,
 ) -> anyhow::Result<()> {
-    clear(folder)?;
+    clear(folder, &nothing.effort.problem)?;
     write_history(folder, history)?;
     write_text(folder, "report.md", &markdown_without_winner(nothing, why))?;
     write_result(folder, nothing)
 }
 
 /// Removes what an earlier run left, so that no file of it stands beside those of this one. The result goes first and is
-/// written last: a folder that has one is whole.
-fn clear(folder: &OutFolder) -> anyhow::Result<()> {
+/// written last: a folder that has one is whole. The problem file itself stays, where a tuned.toml is tuned again.
+fn clear(folder: &OutFolder, problem: &str) -> anyhow::Result<()> {
     folder.remove(RESULT)?;
-    OTHERS.iter().try_for_each(|name| folder.remove(name))?;
+    let tuned_again = |name: &str| {
+        let path = |path: &Path| path.canonicalize().ok();
+        path(Path::new(problem)).is_some_and(|problem| path(&folder.path().join(name)) == Some(problem))
+    };
+    OTHERS.iter().filter(|name| !tuned_again(name)).try_for_each(|name| folder.remove(name))?;
     pictures::clear(folder)
 }
 

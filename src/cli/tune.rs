@@ -154,7 +154,7 @@ impl Tune {
         let Some(winner) = &outcome.winner else { return self.report_nothing(effort, &outcome, folder.as_ref()) };
         let tuning = Tuning::of(effort, &problem, &split, (&outcome, winner))?;
         let write = |folder: &OutFolder| {
-            let logs = pictures::Logs { train: &split.train, run: held_out::judged_log(&split, &tuning) };
+            let logs = pictures::Logs { train: &split.train, held_out: held_out::judged(&split, &tuning) };
             let pictures = pictures::Study { logs, outcome: &outcome, winner, options: self.compute.cpu() };
             results::write(folder, (&problem, &origin), &tuning, &pictures)
         };

@@ -4,44 +4,20 @@
 //! Everything that the log alone decides (which rows count, whether a buffer is full) is a column.
 #![expect(non_snake_case, reason = "Kalman notation: H, P, Q, R")]
 
+mod law;
+
 use super::covariance::Covariance;
 use super::form::Form;
 use super::formula::{self, Scope};
 use super::kalman::{Recursion, Update};
 use super::symmetric::Symmetric;
 use super::tracer::{Tracer, narrow};
-use crate::model::{FilterKind, Model, Range};
+use crate::model::{FilterKind, Model};
 use crate::tape::{Binary, Graph, Id, Leaf};
+use law::Kind;
+pub(super) use law::Law;
 
-/// The law of adaptation, as nodes of one row.
-pub(super) struct Law {
-    kind: Kind,
-    /// Positive while the settings are in their ranges.
-    pub(super) in_range: Vec<Id>,
-}
-
-enum Kind {
-    None,
-    ProcessNoise {
-        forgetting: Id,
-        /// 1 where anything is measured.
-        measured: Id,
-    },
-    MeasurementNoise {
-        forgetting: Id,
-        /// Least variance of each component.
-        least: Vec<Id>,
-    },
-    Fuzzy {
-        window: usize,
-        gain: Id,
-        width: Id,
-        /// For each component 1 where it is measured and its buffer is full.
-        acts: Vec<Id>,
-    },
-}
-
-/// What is carried for it. A `weight` is 1 / d_k = 1 + b + ... + b^k = 1 + b / d_(k-1), from 1 at k = 0.
+/// What is carried for the [`Law`]. A `weight` is 1 / d_k = 1 + b + ... + b^k = 1 + b / d_(k-1), from 1 at k = 0.
 pub(super) enum Memory {
     None,
     ProcessNoise {
@@ -60,51 +36,6 @@ pub(super) enum Memory {
 }
 
 impl Tracer<'_> {
-    /// The law that the problem's filter kind asks for; `R` is the model's.
-    pub(super) fn law(&mut self, R: &Symmetric) -> Law {
-        let parameters = formula::parameters(&mut self.g, &self.problem.parameters, None);
-        let nan = self.g.constant(f64::NAN);
-        let scope = Scope { states: &[], parameters: &parameters, inputs: &[], dt: nan };
-        let (mut values, mut in_range) = (Vec::new(), Vec::new());
-        for setting in self.problem.filter.settings() {
-            let value = formula::trace(&mut self.g, setting.formula, scope);
-            if self.g.value(value).is_none() {
-                in_range.push(within(&mut self.g, setting.range, value));
-            }
-            values.push(value);
-        }
-        let kind = match (&self.problem.filter, values.as_slice()) {
-            (FilterKind::SageHusa { .. }, [forgetting]) => {
-                let measured = self.column(|place| f64::from(u8::from(place.components() > 0)));
-                Kind::ProcessNoise { forgetting: *forgetting, measured }
-            }
-            (FilterKind::SageHusaR { .. }, [forgetting, floor]) => {
-                let least = (0..R.n()).map(|i| self.g.mul(*floor, R.at(i, i))).collect();
-                Kind::MeasurementNoise { forgetting: *forgetting, least }
-            }
-            (FilterKind::Fuzzy { window, .. }, [gain, width]) => {
-                let acts = (0..R.n()).map(|i| self.full(i, *window)).collect();
-                Kind::Fuzzy { window: *window, gain: *gain, width: *width, acts }
-            }
-            _ => Kind::None,
-        };
-        Law { kind, in_range }
-    }
-
-    /// 1 where component `i` is measured for at least the `window`-th time of its trajectory.
-    fn full(&mut self, i: usize, window: usize) -> Id {
-        let (mut trajectory, mut filled) = (0, 0);
-        let mut values = Vec::new();
-        for place in self.rows.places() {
-            if place.index != trajectory {
-                (trajectory, filled) = (place.index, 0);
-            }
-            filled += usize::from(place.present(i));
-            values.push(f64::from(u8::from(place.present(i) && filled >= window)));
-        }
-        self.columns.node(&mut self.g, values)
-    }
-
     /// What a trajectory starts with.
     pub(super) fn start_memory(&mut self, form: Form) -> Memory {
         let model = &self.problem.model;
@@ -140,22 +71,6 @@ impl Tracer<'_> {
         let n = self.problem.model.states.len();
         let place = if self.nominal.is_some() { 2 * n } else { n };
         self.g.leaf(Leaf::Start(narrow(place)))
-    }
-}
-
-/// Positive where `value` is in its range.
-fn within(g: &mut Graph, range: Range, value: Id) -> Id {
-    let (one, no) = (g.constant(1.0), g.constant(-1.0));
-    match range {
-        Range::Positive => value,
-        Range::Share => {
-            let above = g.sub(value, one);
-            g.select(above, no, value)
-        }
-        Range::BelowOne => {
-            let (below, rest) = (g.neg(value), g.sub(one, value));
-            g.select(below, no, rest)
-        }
     }
 }
 

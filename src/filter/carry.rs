@@ -1,9 +1,9 @@
 //! What has to be carried from row to row, and what does not.
 //!
-//! Entries of x, P and what an adaptive filter carries that always have one value (structural zeros above all), or always equal each other (the axes of a
-//! model with shared noise), are found by partition refinement: entries start in one class if their initial values are one
-//! node; a step is traced with one leaf a class; entries of a class whose next values differ are parted, until none do.
-//! The last trace is the filter. A 3-D constant-velocity filter falls apart into three 2-state filters by this alone.
+//! Entries of x, P and what an adaptive filter carries that always have one value (structural zeros above all), or always
+//! equal each other (the axes of a model with shared noise), are found by partition refinement: entries start in one class
+//! if their initial values are one node; a step is traced with one leaf a class; entries of a class whose next values
+//! differ are parted, until none do. The last trace is the filter. A 3-D constant-velocity filter falls apart into three 2-state filters by this alone.
 
 use super::tracer::narrow;
 use crate::tape::{Graph, Id, Leaf, Node};

@@ -42,9 +42,8 @@ impl<'a> Rows<'a> {
 
     /// For each trajectory the interval after its first used row \[s\]; 1 where it has no row.
     pub(super) fn first_intervals(&self) -> Vec<f64> {
-        let mut intervals = vec![1.0; self.first.len()];
-        self.places().filter(|place| place.k == self.first[place.index]).for_each(|p| intervals[p.index] = p.dt());
-        intervals
+        let trajectories = self.log.trajectories.iter().zip(&self.first);
+        trajectories.map(|(t, first)| if *first < t.len() { interval(t, *first) } else { 1.0 }).collect()
     }
 
     /// Every used row of every trajectory.
@@ -92,9 +91,12 @@ impl Place<'_> {
 
     /// Interval to the next row [s]; after the last row, where nothing is predicted any more, the one before it.
     pub(super) fn dt(&self) -> f64 {
-        let t = self.trajectory;
-        t.dt(self.k).or_else(|| t.dt(self.k.checked_sub(1)?)).unwrap_or(1.0)
+        interval(self.trajectory, self.k)
     }
+}
+
+fn interval(t: &Trajectory, k: usize) -> f64 {
+    t.dt(k).or_else(|| t.dt(k.checked_sub(1)?)).unwrap_or(1.0)
 }
 
 /// Columns registered so far; data that repeats is stored once.

@@ -12,6 +12,7 @@ mod kalman;
 mod nominal;
 mod program;
 mod scoring;
+mod start;
 mod symmetric;
 #[cfg(test)]
 mod tests;

@@ -9,12 +9,12 @@ use super::form::Form;
 use super::nominal::Nominal;
 use super::program::{Carried, Program, Role, Span};
 use super::scoring::{Scoring, Traced};
+use super::start::start_values;
 use super::tracer::{Tracer, narrow};
 use crate::data::Log;
-use crate::model::{Problem, Start};
+use crate::model::Problem;
 use crate::objective::Objective;
 use crate::tape::{Calculator, Graph, Id, Leaf, Output, Tape, Unary};
-use nalgebra::{DMatrix, DVector};
 
 /// Traces the filter of `problem` over `log` for some objectives.
 ///
@@ -263,102 +263,4 @@ fn prologue(
     };
     let scalars = starts.iter().map(&mut values).collect();
     Ok((tape, scalars))
-}
-
-/// What [`Leaf::Start`] stands for in trajectory `t`: the n states taken from the first measurement (where x0 asks for it),
-/// then the n states of the nominal at the first row (where there is one), then the interval after that row.
-fn start_values(tracer: &mut Tracer<'_>, t: usize, row: usize) -> Result<Vec<f64>, TraceError> {
-    let n = tracer.problem.model.states.len();
-    let mut values = vec![f64::NAN; n];
-    if tracer.problem.model.x0 == Start::Measurement {
-        values = measured_start(tracer, t, row)?;
-    }
-    if let Some(nominal) = tracer.nominal {
-        values.extend(nominal.states[row * n..].iter().take(n));
-        values.resize(2 * n, f64::NAN);
-    }
-    values.push(tracer.rows.first_intervals()[t]);
-    Ok(values)
-}
-
-/// x = pinv(H) (z - h(0)) at the first used row; unmeasured directions are 0.
-fn measured_start(tracer: &mut Tracer<'_>, t: usize, row: usize) -> Result<Vec<f64>, TraceError> {
-    let (n, m) = (tracer.problem.model.states.len(), tracer.problem.model.measurements.len());
-    let trajectory = &tracer.rows.log.trajectories[t];
-    let Some(z) = (tracer.rows.first[t] < trajectory.len()).then(|| trajectory.z.row(tracer.rows.first[t])) else {
-        return Ok(vec![f64::NAN; n]);
-    };
-    let baseline = tracer.problem.parameters.baseline();
-    let (jacobian, offset) = tracer.measurement_map(&baseline)?;
-    let ids: Vec<Id> = jacobian.into_iter().flatten().chain(offset).collect();
-    let mut calculator = Calculator::new(&tracer.g, &ids);
-    let values: Vec<f64> = calculator
-        .evaluate(|leaf| match leaf {
-            Leaf::Column(c) => tracer.columns.value(c, row),
-            _ => f64::NAN,
-        })
-        .collect();
-    let h = DMatrix::from_row_slice(m, n, &values[..m * n]);
-    let residual = DVector::from_iterator(m, z.iter().zip(&values[m * n..]).map(|(z, offset)| z - offset));
-    // The singular values of a measurement matrix are far from the rounding error that this bound stands for.
-    let rounding = 1e-12 * h.norm();
-    let inverse = h.pseudo_inverse(rounding).unwrap_or_else(|_| DMatrix::zeros(n, m));
-    Ok((inverse * residual).as_slice().to_vec())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::data::{Table, Trajectory};
-    use crate::evaluate::{CpuEvaluator, CpuOptions, Evaluator, Population};
-    use crate::reference;
-
-    fn log(trajectories: &[&[[f64; 2]]]) -> Log {
-        let trajectory = |rows: &&[[f64; 2]]| {
-            let (mut z, mut u, mut truth) = (Table::new(1), Table::new(1), Table::new(0));
-            for row in *rows {
-                z.push(&row[..1]);
-                u.push(&row[1..]);
-                truth.push(&[]);
-            }
-            let time = (0u32..).take(rows.len()).map(f64::from).collect();
-            Trajectory { id: String::new(), line: vec![2; rows.len()], time, z, u, truth }
-        };
-        Log {
-            source: "start.csv".to_owned(),
-            measurements: vec!["z".to_owned()],
-            inputs: vec!["u".to_owned()],
-            truth: vec![],
-            trajectories: trajectories.iter().map(trajectory).collect(),
-        }
-    }
-
-    fn problem(h: &str, r: &str) -> Problem {
-        let text = format!(
-            "[data]\nfile = \"none.csv\"\nmeasurements = [\"z\"]\ninputs = [\"u\"]\n[model]\nstate = [\"x\"]\nf = [\"x\"]\n\
-             h = [\"{h}\"]\nQ = [0.1]\nR = [\"{r}\"]\nx0 = \"measurement\"\nP0 = [4]\n[parameters]\n\
-             r = {{ min = 0.1, max = 9, start = 1 }}\n"
-        );
-        Problem::parse(&text, "start.toml").unwrap()
-    }
-
-    fn assert_equal(problem: &Problem, log: &Log) {
-        let mut lanes = CpuEvaluator::new(problem, log, CpuOptions::default()).unwrap();
-        let found = lanes.evaluate(&Population::from_rows(1, vec![2.0])).costs(0)[0];
-        let expected = reference::costs(problem, log, &[2.0]).unwrap()[0];
-        assert!((found - expected).abs() <= 1e-10 * expected.abs(), "found {found}, the reference says {expected}");
-    }
-
-    #[test]
-    fn a_last_trajectory_without_a_measurement_to_start_from_has_no_rows() {
-        let measured = [[f64::NAN, 0.5], [3.0, 0.25], [2.0, 0.0]];
-        let never = [[f64::NAN, 0.5], [f64::NAN, 0.25]];
-        assert_equal(&problem("x + u", "r"), &log(&[&measured, &never]));
-    }
-
-    #[test]
-    fn a_start_from_a_measurement_does_not_depend_on_units() {
-        let rows = [[3e-14, 0.0], [2e-14, 0.0], [4e-14, 0.0]];
-        assert_equal(&problem("x * 1e-14", "r * 1e-28"), &log(&[&rows]));
-    }
 }

@@ -1,4 +1,5 @@
-//! Objectives, all minimised, and constraints on what they measure. One list; the semantics of each stand in `docs/semantics.md`.
+//! Objectives, all minimised, and constraints on what they measure. One list; the semantics of each stand in
+//! `docs/semantics.md`.
 
 mod constraint;
 mod innovation;

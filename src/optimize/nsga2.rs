@@ -1,5 +1,8 @@
 //! NSGA-II: a genetic algorithm for several objectives.
 
+use std::collections::HashSet;
+use std::hash::{DefaultHasher, Hasher};
+
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -12,6 +15,9 @@ use crate::evaluate::{Evaluation, Population};
 
 /// Pairs that are worth a task of their own.
 const PAIRS_A_TASK: usize = 256;
+
+/// How often a child that is there already is mutated at most. One mutation changes nothing in up to 2 of 3 cases.
+const ATTEMPTS: usize = 20;
 
 /// How the parents of a generation are chosen; both by binary tournaments of lower rank, then larger crowding distance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,9 +57,12 @@ pub struct Rules {
     pub bounded: bool,
     /// What competes with the offspring.
     pub merge: Merge,
+    /// Whether a child that equals a member of the population, or an earlier child, in every coordinate is mutated until
+    /// it does not. Copies take places in the population that carry nothing, and crowd each other out.
+    pub distinct: bool,
 }
 
-/// `nsga2`: p_c = 0.9, p_m = 1/d, eta_c = eta_m = 20.
+/// `nsga2`: p_c = 0.9, p_m = 1/d, eta_c = eta_m = 20, and no copies among the offspring.
 ///
 /// K. Deb, A. Pratap, S. Agarwal, T. Meyarivan, IEEE Trans. Evol. Comput. 6 (2002), doi 10.1109/4235.996017.
 pub const PUBLISHED: Rules = Rules {
@@ -65,13 +74,15 @@ pub const PUBLISHED: Rules = Rules {
     mutation_index: 20.0,
     bounded: true,
     merge: Merge::Population,
+    distinct: true,
 };
 
 /// `nsga2-study`: the operators of the MOMA study, which has unbounded crossover of every coordinate, simple mutation,
 /// and tournaments with replacement.
 ///
 /// H. Huo, Z. Cai, M. Liu, M. Gong, GECCO 2014, doi 10.1145/2576768.2598242, as far as it says.
-pub const STUDY: Rules = Rules { name: "nsga2-study", selection: Selection::Independent, bounded: false, ..PUBLISHED };
+pub const STUDY: Rules =
+    Rules { name: "nsga2-study", selection: Selection::Independent, bounded: false, distinct: false, ..PUBLISHED };
 
 /// A population that keeps its best by (front, crowding distance).
 ///
@@ -80,6 +91,8 @@ pub const STUDY: Rules = Rules { name: "nsga2-study", selection: Selection::Inde
 /// and offspring are merged in this order, sorted by (rank, crowding distance, index), and the first N survive **with the
 /// rank and crowding distance they have in the merged set**. Infeasible and failed candidates rank behind
 /// ([`super::pareto::fronts`]). The initial population counts as generation 0.
+///
+/// Where children are to be [`Rules::distinct`], they are compared and mutated in this order, before they are scored.
 ///
 /// One random stream serves each pair and each tournament, so the result depends on the seed alone.
 #[derive(Debug, Clone)]
@@ -184,16 +197,45 @@ impl Nsga2 {
             self.vary(a, b, &mut self.stream(Purpose::Variation, pair));
         });
         children.truncate(n * d);
-        Population::from_rows(d, children)
+        let mut children = Population::from_rows(d, children);
+        if self.rules.distinct {
+            self.make_distinct(&mut children);
+        }
+        children
+    }
+
+    /// Mutates children that are there already, in order, until they are not; each draws from a stream of its own.
+    fn make_distinct(&self, children: &mut Population) {
+        let mutation = self.mutation();
+        let mut seen = HashSet::with_capacity(self.x.len() + children.len());
+        seen.extend(fingerprints(&self.x));
+        for (i, mark) in fingerprints(children).into_iter().enumerate() {
+            if seen.insert(mark) {
+                continue;
+            }
+            let child = children.row_mut(i);
+            let mut stream = self.stream(Purpose::Distinction, i);
+            for _ in 0..ATTEMPTS {
+                mutation.apply(child, &self.ranges, &mut stream);
+                if seen.insert(fingerprint(child)) {
+                    break;
+                }
+            }
+        }
+    }
+
+    fn mutation(&self) -> Mutation {
+        let Rules { mutation_probability, mutation_index: index, bounded, .. } = self.rules;
+        let probability = mutation_probability.unwrap_or_else(|| 1.0 / self.ranges.len() as f64);
+        Mutation { probability, index, bounded }
     }
 
     fn vary(&self, a: &mut [f64], b: &mut [f64], stream: &mut Stream) {
-        let Rules { crossover_index, mutation_index, bounded, .. } = self.rules;
+        let Rules { crossover_index, bounded, .. } = self.rules;
         if stream.uniform() < self.rules.crossover_probability {
             Crossover { index: crossover_index, bounded }.apply(a, b, &self.ranges, stream);
         }
-        let probability = self.rules.mutation_probability.unwrap_or_else(|| 1.0 / a.len() as f64);
-        let mutation = Mutation { probability, index: mutation_index, bounded };
+        let mutation = self.mutation();
         mutation.apply(a, &self.ranges, stream);
         mutation.apply(b, &self.ranges, stream);
     }
@@ -215,6 +257,19 @@ impl Nsga2 {
         }
         (self.x, self.scores, self.ranking) = (x, scores, ranking);
     }
+}
+
+fn fingerprints(x: &Population) -> Vec<u64> {
+    x.values().par_chunks(x.dimension()).with_min_len(2 * PAIRS_A_TASK).map(fingerprint).collect()
+}
+
+/// 64 bits that stand for a position; that two positions share them, once in 1e9 generations of 100,000, costs one of
+/// them a mutation.
+fn fingerprint(x: &[f64]) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    // -0 is 0.
+    x.iter().for_each(|x| hasher.write_u64((x + 0.0).to_bits()));
+    hasher.finish()
 }
 
 /// 0..n in random order (Fisher and Yates).

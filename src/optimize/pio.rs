@@ -220,6 +220,8 @@ impl Optimizer for Pio {
         for (i, cost) in self.cost.iter_mut().enumerate() {
             *cost = costs.costs(i)[0];
         }
+        // A memetic wrapper may have moved some pigeons.
+        self.x.clone_from(population);
         self.best.update(population, costs);
         self.iteration += 1;
     }

@@ -40,6 +40,8 @@ pub enum Purpose {
     Variation = 8,
     /// Local search of a memetic method.
     LocalSearch = 9,
+    /// Mutation of candidates that repeat another.
+    Distinction = 10,
 }
 
 /// High and low word of the 64-bit product of two words.

@@ -86,7 +86,7 @@ pub static ALGORITHMS: &[Algorithm] = &[
     Algorithm {
         name: "nsga2",
         about: "NSGA-II: a Pareto front of up to four objectives; with one, a plain genetic algorithm",
-        defaults: "p_c = 0.9, p_m = 1/d, eta_c = eta_m = 20 (doi 10.1109/4235.996017)",
+        defaults: "p_c = 0.9, p_m = 1/d, eta_c = eta_m = 20, copies mutated again (doi 10.1109/4235.996017)",
         minimum_population: 2,
         minimum_reason: "children have two parents",
         maximum_objectives: 4,
@@ -95,7 +95,7 @@ pub static ALGORITHMS: &[Algorithm] = &[
     Algorithm {
         name: "nsga2-study",
         about: "NSGA-II with the operators of the MOMA study",
-        defaults: "as nsga2; unbounded crossover of every coordinate, simple mutation, tournaments with replacement \
+        defaults: "as nsga2, with copies; unbounded crossover of every coordinate, simple mutation, tournaments with replacement \
                    (doi 10.1145/2576768.2598242)",
         minimum_population: 2,
         minimum_reason: "children have two parents",

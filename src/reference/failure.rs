@@ -32,9 +32,6 @@ pub enum Cause {
         "the measurement noise covariance R is not positive definite, which smoothing needs (give every measurement some noise)"
     )]
     SingularNoise,
-    /// The filter adapts its Q or R on the way, which smoothing would have to know row by row.
-    #[error("an adaptive filter changes Q or R on the way and cannot be smoothed (set `filter.kind` to \"kalman\")")]
-    Adaptive,
     /// `first = "predict"` has no interval to use.
     #[error("first = \"predict\" has no interval, because the log's intervals differ (give first_dt)")]
     NoFirstInterval,

@@ -36,6 +36,15 @@ pub struct Update {
     pub nll: f64,
 }
 
+/// The noise that an adaptive filter has arrived at, for what follows a row.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Noise<'a> {
+    /// Q of the step to the next row; `None` where the filter takes the model's.
+    pub(super) q: Option<&'a DMatrix<f64>>,
+    /// R of the next row, m x m.
+    pub(super) r: &'a DMatrix<f64>,
+}
+
 /// The filter of one candidate: `predict` takes posterior to prior, `update` prior to posterior.
 #[derive(Debug)]
 pub(super) struct Kalman {
@@ -114,6 +123,10 @@ impl Kalman {
     /// The latest update.
     pub(super) fn latest(&self) -> &Update {
         &self.observation.update
+    }
+
+    pub(super) const fn noise(&self) -> Noise<'_> {
+        Noise { q: self.adaptation.process_noise(), r: &self.observation.r_whole }
     }
 
     /// Prior to posterior by the components of `z` that are not NaN; false when there are none, and the

@@ -20,7 +20,7 @@ pub use failure::{Cause, Failure};
 pub use kalman::{Estimate, Update};
 pub use matrices::Matrices;
 pub(crate) use matrices::{Affine, Formulas};
-pub use run::{Run, Step, costs, costs_held_out, run, scores, visit};
+pub use run::{Run, Step, costs, costs_held_out, run, scores, scores_held_out, visit};
 pub use score::score;
 pub use smoother::{Smoothed, smooth};
 pub use steady::{Steady, steady_gain};

@@ -3,7 +3,7 @@
 use nalgebra::{Cholesky, DVector};
 
 use super::adaptive::Adaptation;
-use super::kalman::{Estimate, Kalman, Update};
+use super::kalman::{Estimate, Kalman, Noise, Update};
 use super::matrices::Formulas;
 use super::score::Scorer;
 use super::{Cause, Failure};
@@ -44,6 +44,8 @@ pub(super) struct Moment<'a> {
     pub(super) prior: &'a Estimate,
     pub(super) posterior: &'a Estimate,
     pub(super) update: Option<&'a Update>,
+    /// What an adaptive filter goes on with.
+    pub(super) noise: Noise<'a>,
 }
 
 /// Runs the filter of `candidate` (searched parameters in their own units) over the whole log.
@@ -136,6 +138,18 @@ pub fn costs_held_out(problem: &Problem, held_out: &HeldOut, candidate: &[f64]) 
     scores_where(problem, place, &problem.tune.objectives, |trajectory, row| row >= held_out.from[trajectory])
 }
 
+/// As [`costs_held_out`], with what the problem's constraints bound behind the objectives.
+///
+/// # Errors
+/// As [`costs_held_out`].
+///
+/// # Panics
+/// As [`costs_held_out`].
+pub fn scores_held_out(problem: &Problem, held_out: &HeldOut, candidate: &[f64]) -> Result<Vec<f64>, Failure> {
+    let place = (&held_out.log, candidate);
+    scores_where(problem, place, &problem.tune.scorers(), |trajectory, row| row >= held_out.from[trajectory])
+}
+
 /// Values over the rows for which `counts` (trajectory, row) is true.
 fn scores_where(
     problem: &Problem,
@@ -156,7 +170,13 @@ fn scores_where(
     Ok(scorer.costs())
 }
 
-fn walk(problem: &Problem, log: &Log, candidate: &[f64], visit: &mut impl FnMut(Moment)) -> Result<(), Failure> {
+/// Shows every row to `visit`, trajectory by trajectory.
+pub(super) fn walk(
+    problem: &Problem,
+    log: &Log,
+    candidate: &[f64],
+    visit: &mut impl FnMut(Moment),
+) -> Result<(), Failure> {
     let model = &problem.model;
     let parameters = problem.parameters.resolve(candidate);
     let adaptation = Adaptation::new(&problem.filter, &parameters, model.measurements.len())
@@ -181,6 +201,7 @@ fn walk(problem: &Problem, log: &Log, candidate: &[f64], visit: &mut impl FnMut(
                 prior: &filter.prior,
                 posterior: &filter.posterior,
                 update: updated.then(|| filter.latest()),
+                noise: filter.noise(),
             });
         })
         .map_err(|what| Failure::at(log, index, row, what))?;

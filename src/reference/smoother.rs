@@ -14,12 +14,15 @@
 //!
 //! P, J and Q may be singular: (A^-1 + B)^-1 = L (I + L' B L)^-1 L' with A = L L' inverts nothing that can be, and
 //! subtracts nothing.
+//!
+//! An adaptive filter is smoothed with the Q and R that it used in each step: its x and P are those of the model with
+//! these, so its smoothed estimates are too.
 
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
 use super::kalman::{Estimate, Transition, Update, symmetrise};
 use super::matrices::{Affine, Formulas};
-use super::run::visit;
+use super::run::{Moment, walk};
 use super::{Cause, Failure};
 use crate::data::{Log, Trajectory};
 use crate::model::Problem;
@@ -36,21 +39,26 @@ pub struct Smoothed {
 }
 
 /// Smooths the run of `candidate` (searched parameters in their own units): one list per trajectory of the log, with the
-/// rows of [`super::Run::trajectories`]. It keeps n² + n numbers a row, and the updates while it runs.
+/// rows of [`super::Run::trajectories`]. It keeps n² + n numbers a row, and while it runs the updates, with Q and R where
+/// the filter adapts them.
 ///
 /// # Errors
-/// As [`super::run`]; also when R is singular, or the filter adapts Q or R: they are then not those of the formulas.
+/// As [`super::run`]; also when R is singular.
 ///
 /// # Panics
 /// If `candidate` does not have one value per searched parameter.
 pub fn smooth(problem: &Problem, log: &Log, candidate: &[f64]) -> Result<Vec<Vec<Smoothed>>, Failure> {
-    if problem.filter.is_adaptive() {
-        return Err(Failure::at(log, 0, 0, Cause::Adaptive));
-    }
+    let adapts = problem.filter.is_adaptive();
     let mut passes: Vec<Vec<Pass>> = log.trajectories.iter().map(|_| Vec::new()).collect();
-    visit(problem, log, candidate, &mut |trajectory, step| {
-        let (time, estimate) = (step.time, step.posterior.clone());
-        passes[trajectory].push((Smoothed { row: step.row, time, estimate }, step.update.clone()));
+    walk(problem, log, candidate, &mut |moment| {
+        let Moment { trajectory, row, posterior, update, noise, .. } = moment;
+        let time = log.trajectories[trajectory].time[row];
+        passes[trajectory].push(Pass {
+            smoothed: Smoothed { row, time, estimate: posterior.clone() },
+            update: update.cloned(),
+            q: noise.q.cloned(),
+            r: adapts.then(|| noise.r.clone()),
+        });
     })?;
     let mut later = Later::new(problem, candidate);
     let all = passes.into_iter().zip(&log.trajectories).enumerate();
@@ -60,8 +68,16 @@ pub fn smooth(problem: &Problem, log: &Log, candidate: &[f64]) -> Result<Vec<Vec
     .collect()
 }
 
-/// A row of the filter, its posterior in place of what is to be smoothed.
-type Pass = (Smoothed, Option<Update>);
+/// A row of the filter.
+struct Pass {
+    /// The posterior, in place of what is to be smoothed.
+    smoothed: Smoothed,
+    update: Option<Update>,
+    /// Q of the step to the next row, where the filter adapts it.
+    q: Option<DMatrix<f64>>,
+    /// R of the next row, where the filter is adaptive.
+    r: Option<DMatrix<f64>>,
+}
 
 /// What later measurements say about a state.
 struct Later {
@@ -69,6 +85,7 @@ struct Later {
     transition: Transition,
     /// h, as long as inputs do not change it.
     measurement: Option<Affine>,
+    /// The model's R, with which every trajectory starts.
     r: DMatrix<f64>,
     /// J, n x n, positive semidefinite.
     information: DMatrix<f64>,
@@ -97,19 +114,21 @@ impl Later {
         self.information.fill(0.0);
         self.gradient.fill(0.0);
         let mut smoothed: Vec<Smoothed> = Vec::with_capacity(passes.len());
-        for (mut pass, update) in passes.into_iter().rev() {
+        let mut passes = passes.into_iter().rev().peekable();
+        while let Some(Pass { smoothed: mut pass, update, q, .. }) = passes.next() {
             let (row, inputs) = (pass.row, trajectory.u.row(pass.row));
             let failed = |cause| (row, cause);
             // Nothing follows the last row: its posterior is what it is.
             if let Some(dt) = trajectory.dt(row).filter(|_| !smoothed.is_empty()) {
-                self.before_transition(dt, inputs).map_err(failed)?;
+                self.before_transition(dt, inputs, q.as_ref()).map_err(failed)?;
                 let Estimate { x, p } = &mut pass.estimate;
                 *p = parallel(p, &self.information).map_err(failed)?;
                 *x += &*p * &self.gradient;
                 pass.estimate.check().map_err(failed)?;
             }
             if let Some(update) = update {
-                self.before_update(&update, inputs).ok_or_else(|| failed(Cause::SingularNoise))?;
+                let r = passes.peek().and_then(|before| before.r.as_ref());
+                self.before_update(&update, inputs, r).ok_or_else(|| failed(Cause::SingularNoise))?;
             }
             smoothed.push(pass);
         }
@@ -117,8 +136,9 @@ impl Later {
         Ok(smoothed)
     }
 
-    /// `None` when R has no inverse.
-    fn before_update(&mut self, Update { present, nu, k, .. }: &Update, inputs: &[f64]) -> Option<()> {
+    /// With the R of this row where it is not the model's; `None` when R has no inverse.
+    fn before_update(&mut self, update: &Update, inputs: &[f64], adapted: Option<&DMatrix<f64>>) -> Option<()> {
+        let Update { present, nu, k, .. } = update;
         let Formulas { n, m, h_uses_inputs, .. } = self.formulas;
         let whole = self.measurement.take().filter(|_| !h_uses_inputs).unwrap_or_else(|| {
             let mut whole = Affine::zeros(m, n);
@@ -127,7 +147,7 @@ impl Later {
         });
         let h = whole.matrix.select_rows(present);
         self.measurement = Some(whole);
-        let r = self.r.select_rows(present).select_columns(present);
+        let r = adapted.unwrap_or(&self.r).select_rows(present).select_columns(present);
         // H' R^-1.
         let weight = Cholesky::new(r)?.solve(&h).transpose();
         self.gradient += &self.information * (k * nu) + &weight * nu;
@@ -136,9 +156,11 @@ impl Later {
         Some(())
     }
 
-    fn before_transition(&mut self, dt: f64, inputs: &[f64]) -> Result<(), Cause> {
+    /// With the Q of this step where it is not the model's.
+    fn before_transition(&mut self, dt: f64, inputs: &[f64], adapted: Option<&DMatrix<f64>>) -> Result<(), Cause> {
         self.transition.prepare(&mut self.formulas, dt, inputs);
         let Transition { f, q, .. } = &self.transition;
+        let q = adapted.unwrap_or(q);
         let c = parallel(&self.information, q)?;
         self.gradient = &f.transpose * (&self.gradient - &c * (q * &self.gradient));
         self.information = &f.transpose * c * &f.matrix;

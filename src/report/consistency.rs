@@ -27,6 +27,7 @@ pub use evidence::Evidence;
 pub use uncertainty::{FlatDirection, Uncertainty};
 pub use verdict::{Finding, Verdict};
 pub use whiteness::Whiteness;
+pub(super) use whiteness::normalised;
 
 /// The consistency of one filter run. Means are per degree of freedom: 1 is ideal, NaN (JSON `null`) is no data.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -112,10 +113,9 @@ impl fmt::Display for Consistency {
                 continue;
             }
             let (lag, lags) = (w.lag_1(), autocorrelation.len());
-            writeln!(
-                f,
-                "  white {measurement}: lag 1 {lag:+.3} (band {band:.3}), Ljung-Box over {lags} lags p = {p_value:.2e}"
-            )?;
+            write!(f, "  white {measurement}: lag 1 {lag:+.3} (band {band:.3}), Ljung-Box over {lags} lags p ")?;
+            // Below the smallest number of double precision it comes out as 0, which no probability of a test is.
+            if *p_value > 0.0 { writeln!(f, "= {p_value:.2e}")? } else { writeln!(f, "< 1e-300")? }
         }
         for finding in &self.findings {
             writeln!(f, "  {}: {}", finding.verdict, finding.advice)?;

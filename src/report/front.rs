@@ -25,7 +25,7 @@ const DIGITS: usize = 6;
 pub struct FrontPoint {
     /// Values in their own units.
     pub parameters: Named<f64>,
-    /// In-sample objectives.
+    /// Objectives over the rows that were tuned on.
     pub objectives: Named<f64>,
     /// Objectives over held-out rows; `None` without a validation split, or where the filter fails on them.
     pub held_out: Option<Named<f64>>,
@@ -153,7 +153,7 @@ impl FrontSummary {
     }
 
     /// How the front stands to the user's own candidate.
-    fn baseline_line(&self, members: usize) -> String {
+    pub(super) fn baseline_line(&self, members: usize) -> String {
         match self.dominate_baseline {
             _ if !self.baseline_feasible => "The baseline does not meet every constraint.".to_owned(),
             None => "The baseline fails, so it cannot be compared.".to_owned(),
@@ -166,16 +166,17 @@ impl FrontSummary {
     }
 
     /// What the text report says of a front.
-    pub(super) fn text(&self, points: &[FrontPoint]) -> String {
+    pub(super) fn text(&self, points: &[FrontPoint], validated: bool) -> String {
         let recommended = points.iter().find(|p| p.marks.first().is_some_and(|mark| mark == "recommended"));
         let line = recommended.map(|point| self.given_up_line(point)).unwrap_or_default();
         let shown = representatives(points);
         let of = if shown.len() < points.len() { format!(", {} shown", shown.len()) } else { String::new() };
+        let rows = if validated { "training rows beside held-out rows" } else { "in-sample" };
         format!(
-            "Front, in-sample, f64 ({} {}{of}):\n{}\nRecommended: {line}.\n{}\n",
+            "Front, {rows}, f64 ({} {}{of}):\n{}\nRecommended: {line}.\n{}\n",
             points.len(),
             if points.len() == 1 { "member" } else { "members" },
-            table(points, &shown),
+            table(points, &shown, validated),
             self.baseline_line(points.len()),
         )
     }
@@ -195,17 +196,31 @@ fn representatives(points: &[FrontPoint]) -> Vec<usize> {
     shown
 }
 
-fn table(points: &[FrontPoint], shown: &[usize]) -> TextTable {
+/// Names of the columns of objectives; those of the training rows say so where held-out rows stand beside them.
+pub(super) fn objective_columns(first: &FrontPoint, validated: bool) -> Vec<String> {
+    let named = |rows: &str| first.objectives.iter().map(|(name, _)| format!("{name}{rows}")).collect::<Vec<_>>();
+    if validated { [named(", training"), named(", held out")].concat() } else { named("") }
+}
+
+/// A member's objectives over held-out rows, `-` where its filter fails there; none without a split.
+pub(super) fn held_out_cells(point: &FrontPoint, validated: bool, digits: usize) -> impl Iterator<Item = String> {
+    let cell = move |name: &str| point.held_out.as_ref().and_then(|held_out| held_out.get(name));
+    let text = move |value: Option<&f64>| value.map_or_else(|| "-".to_owned(), |value| significant(*value, digits));
+    point.objectives.iter().filter(move |_| validated).map(move |(name, _)| text(cell(name)))
+}
+
+fn table(points: &[FrontPoint], shown: &[usize], validated: bool) -> TextTable {
     let names = |named: &Named<f64>| named.iter().map(|(name, _)| name.to_owned()).collect::<Vec<_>>();
     let Some(first) = points.first() else { return TextTable::default() };
     let parameters = names(&first.parameters);
     let with_parameters = parameters.len() <= SHOWN_PARAMETERS;
-    let mut header = names(&first.objectives);
+    let mut header = objective_columns(first, validated);
     header.extend(parameters.into_iter().filter(|_| with_parameters));
     header.push(String::new());
     let row = |i: &usize| {
         let point = &points[*i];
         let objectives = point.objectives.iter().map(|(_, value)| significant(*value, DIGITS));
+        let objectives = objectives.chain(held_out_cells(point, validated, DIGITS));
         let parameters = point.parameters.iter().filter(|_| with_parameters).map(|(_, value)| short(*value, DIGITS));
         objectives.chain(parameters).chain([point.marks.join(", ")]).collect()
     };
@@ -245,7 +260,7 @@ mod tests {
         assert_eq!(line, "knee: nll 3.2 % above its best, rmse 1.1 % above its best");
         let end = summary("best nll", [-5.0, 1e-9], [Some(0.0), Some(4e7)]);
         let line = end.given_up_line(&point(0, [-5.0, 0.04], &["recommended", "best nll"]));
-        assert_eq!(line, "best nll: nll at its best, rmse 0.04 (best 1.00e-9)");
+        assert_eq!(line, "best nll: nll at its best, rmse 0.04 (best 1e-9)");
     }
 
     #[test]
@@ -261,8 +276,9 @@ mod tests {
         assert!(shown.len() <= SHOWN && [0, 41, 99].iter().all(|i| shown.contains(i)), "{shown:?}");
         let widest = shown.windows(2).map(|w| w[1] - w[0]).max().unwrap();
         assert!(widest <= 13, "evenly: {shown:?}");
-        let text = summary("knee", [0.0, 0.0], [None, None]).text(&points);
-        assert!(text.contains("(100 members, 10 shown)") && text.contains("recommended, knee"), "{text}");
+        let text = summary("knee", [0.0, 0.0], [None, None]).text(&points, false);
+        assert!(text.starts_with("Front, in-sample, f64 (100 members, 10 shown)"), "{text}");
+        assert!(text.contains("recommended, knee"), "{text}");
         assert_eq!(representatives(&points[..1]), [0]);
         assert_eq!(representatives(&points[1..3]), [0, 1]);
     }
@@ -280,5 +296,10 @@ mod tests {
         let expected =
             "q,nll,rmse,held_out.nll,held_out.rmse,marks\n1,1.5,2,,,best nll\n2,2.5,1,3.5,4,recommended; knee\n";
         assert_eq!(written(&points), expected);
+        let text = summary("knee", [1.5, 1.0], [None, None]).text(&points, true);
+        assert!(text.starts_with("Front, training rows beside held-out rows, f64 (2 members):"), "{text}");
+        let line = |i: usize| text.lines().nth(i).map(|line| line.split_whitespace().collect::<Vec<_>>().join(" "));
+        assert_eq!(line(1).as_deref(), Some("nll, training rmse, training nll, held out rmse, held out q"), "{text}");
+        assert_eq!(line(3).as_deref(), Some("2.50000 1.00000 3.50000 4.00000 2 recommended, knee"), "{text}");
     }
 }

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::number::short;
 use crate::data::{Log, Summary};
-use crate::model::Problem;
+use crate::model::{FilterKind, Problem};
 use crate::reference::{self, Steady, Step};
 
 /// Significant digits of an entry: more than any tuned variance has.
@@ -63,6 +63,8 @@ pub struct Matrices {
     pub K: Option<Matrix>,
     /// Which gain it is.
     pub gain: Gain,
+    /// What an adaptive filter does with Q or R; `None` for one that keeps both.
+    pub note: Option<&'static str>,
 }
 
 /// Which gain is reported.
@@ -94,6 +96,18 @@ impl Matrices {
             R: (&model.r).into(),
             K: k.as_ref().map(Matrix::from),
             gain,
+            note: adapted(&problem.filter),
+        }
+    }
+}
+
+/// Which of the matrices printed is a start only.
+const fn adapted(kind: &FilterKind) -> Option<&'static str> {
+    match kind {
+        FilterKind::Kalman => None,
+        FilterKind::SageHusa { .. } => Some("Q is where each trajectory starts; the filter adapts it"),
+        FilterKind::SageHusaR { .. } | FilterKind::Fuzzy { .. } => {
+            Some("R is where each trajectory starts; the filter adapts it")
         }
     }
 }
@@ -117,6 +131,9 @@ impl fmt::Display for Matrices {
         }
         if let Some(k) = &self.K {
             writeln!(f, "K = {k:4}")?;
+        }
+        if let Some(note) = self.note {
+            writeln!(f, "Note: {note}.")?;
         }
         Ok(())
     }

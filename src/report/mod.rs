@@ -5,7 +5,6 @@ mod compare;
 mod consistency;
 mod constraint;
 mod effort;
-#[cfg(feature = "figures")]
 pub mod figures;
 mod front;
 mod markdown;

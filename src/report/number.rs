@@ -23,10 +23,11 @@ pub fn significant(value: f64, digits: usize) -> String {
 #[must_use]
 pub fn short(value: f64, digits: usize) -> String {
     let text = significant(value, digits);
-    if !text.contains('.') || text.contains('e') {
+    let (mantissa, exponent) = text.find('e').map_or((&*text, ""), |at| text.split_at(at));
+    if !mantissa.contains('.') {
         return text;
     }
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    format!("{}{exponent}", mantissa.trim_end_matches('0').trim_end_matches('.'))
 }
 
 /// The shortest text that reads back as the same bits, for CSV.
@@ -85,8 +86,10 @@ mod tests {
     fn short_text_ends_in_no_zeros() {
         assert_eq!(short(10_000.0, 8), "10000");
         assert_eq!(short(0.25, 8), "0.25");
-        assert_eq!(short(1e9, 3), "1.00e9");
+        assert_eq!(short(1.5e9, 3), "1.5e9");
+        assert_eq!(short(1e-8, 6), "1e-8");
         assert_eq!(short(0.0, 3), "0");
+        assert_eq!(short(f64::INFINITY, 3), "inf");
     }
 
     #[test]

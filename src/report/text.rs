@@ -18,10 +18,10 @@ impl fmt::Display for Tuning {
         writeln!(f, "{}", self.parameter_table())?;
         self.fmt_objectives(f)?;
         if !self.constraints.is_empty() {
-            writeln!(f, "{}", constraint::table(&self.constraints))?;
+            writeln!(f, "{}", constraint::table(&self.constraints, self.validation.as_ref()))?;
         }
         if let (Some(points), Some(summary)) = (&self.front, &self.front_summary) {
-            writeln!(f, "{}", summary.text(points))?;
+            writeln!(f, "{}", summary.text(points, self.validation.is_some()))?;
         }
         let gain = match self.matrices.gain {
             Gain::Steady => "steady gain",

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Named, raw_rmse, short, significant};
+use super::{ConstraintCheck, Named, constraint, raw_rmse, short, significant};
 use crate::data::{HeldOut, Log, Split, scoring_rows};
 use crate::model::{Problem, SplitBy};
 use crate::objective::{Kind, Objective};
@@ -47,6 +47,8 @@ pub struct Validation {
     pub worse: bool,
     /// RMSE of the raw measurements over the held-out rows, as in the result itself.
     pub raw_measurements: Named<f64>,
+    /// The constraints over the held-out rows.
+    pub constraints: Vec<ConstraintCheck>,
 }
 
 /// The size of a part of the log.
@@ -79,12 +81,13 @@ impl Validation {
     /// Scores both candidates on what `split` holds out; `None` if that is nothing.
     pub(super) fn of(problem: &Problem, split: &Split, baseline: Trained<'_>, winner: Trained<'_>) -> Option<Self> {
         let held_out = split.held_out.as_ref()?;
-        let on_held_out = [baseline, winner].map(|trained| score(problem, held_out, trained.candidate));
-        let [baseline_held, winner_held] = &on_held_out;
+        let on_held_out = [baseline, winner].map(|trained| Scores::of(problem, held_out, trained.candidate));
+        let [baseline_held, winner_held] = on_held_out.each_ref().map(|scores| scores.objectives.as_ref());
+        let [baseline_bound, winner_bound] = on_held_out.each_ref().map(|scores| scores.constraints.as_deref());
         let train_from = vec![0; split.train.trajectories.len()];
         let train = improvements(problem, (&split.train, &train_from), baseline.objectives, winner.objectives);
         let held = (&held_out.log, &held_out.from[..]);
-        let held = improvements(problem, held, baseline_held.as_deref(), winner_held.as_deref());
+        let held = improvements(problem, held, baseline_held.map(Vec::as_slice), winner_held.map(Vec::as_slice));
         let gap: Vec<Option<f64>> = train.iter().zip(&held).map(|(train, held)| Some((*train)? - (*held)?)).collect();
         let names = || problem.tune.objectives.iter().map(Objective::name);
         let raw = |o: &Objective| Some((o.name(), raw_rmse(problem, &held_out.log, &held_out.from, o)?));
@@ -95,13 +98,14 @@ impl Validation {
             train: Part::of(&split.train, &train_from),
             held_out: Part::of(&held_out.log, &held_out.from),
             trajectories: names_of(held_out),
-            worse: is_worse(baseline_held.as_deref(), winner_held.as_deref()),
+            worse: is_worse(baseline_held.map(Vec::as_slice), winner_held.map(Vec::as_slice)),
             improvement_train: Named::new(names(), train),
             improvement_held_out: Named::new(names(), held),
             overfit_gap: Named::new(names(), gap),
             raw_measurements: problem.tune.objectives.iter().filter_map(raw).collect(),
-            baseline: baseline_held.as_ref().map(|costs| Named::new(names(), costs.iter().copied())),
-            winner: winner_held.as_ref().map(|costs| Named::new(names(), costs.iter().copied())),
+            constraints: constraint::checks_held_out(problem, baseline_bound, winner_bound),
+            baseline: baseline_held.map(|costs| Named::new(names(), costs.iter().copied())),
+            winner: winner_held.map(|costs| Named::new(names(), costs.iter().copied())),
         })
     }
 
@@ -115,8 +119,21 @@ impl Validation {
             (Some(baseline), Some(winner)) if better_throughout(baseline, winner) => {
                 "The tuned parameters are better than yours on held-out data."
             }
+            _ if self.is_trade() => {
+                "On held-out data the tuned parameters are better than yours under one objective and worse under another."
+            }
             _ => "The tuned parameters are no worse than yours on held-out data.",
         }
+    }
+}
+
+impl Validation {
+    /// Whether the winner is better than the baseline under one objective and worse under another on the held-out rows.
+    #[must_use]
+    pub fn is_trade(&self) -> bool {
+        let (Some(baseline), Some(winner)) = (&self.baseline, &self.winner) else { return false };
+        let pairs = || winner.iter().zip(baseline.iter()).map(|((_, winner), (_, baseline))| (winner, baseline));
+        pairs().any(|(w, b)| w > b) && pairs().any(|(w, b)| w < b)
     }
 }
 
@@ -127,10 +144,26 @@ impl Part {
     }
 }
 
-/// Finite objectives over the held-out rows.
-fn score(problem: &Problem, held_out: &HeldOut, candidate: &[f64]) -> Option<Vec<f64>> {
-    let costs = reference::costs_held_out(problem, held_out, candidate).ok()?;
-    costs.iter().all(|cost| cost.is_finite()).then_some(costs)
+/// A candidate over the held-out rows; `None` where its filter fails.
+struct Scores {
+    /// Finite; `None` also where one is not.
+    objectives: Option<Vec<f64>>,
+    /// What the constraints bound, NaN where no held-out row measures it.
+    constraints: Option<Vec<f64>>,
+}
+
+impl Scores {
+    fn of(problem: &Problem, held_out: &HeldOut, candidate: &[f64]) -> Self {
+        let scores = reference::scores_held_out(problem, held_out, candidate).ok();
+        let (objectives, constraints) = scores
+            .map(|mut objectives| {
+                let constraints = objectives.split_off(problem.tune.objectives.len());
+                (objectives, constraints)
+            })
+            .unzip();
+        let finite = |costs: &Vec<f64>| costs.iter().all(|cost| cost.is_finite());
+        Self { objectives: objectives.filter(finite), constraints }
+    }
 }
 
 /// The improvement under each objective, over rows of `log` from `from` on.
@@ -220,6 +253,49 @@ impl fmt::Display for Validation {
                 let more = if held_out.trajectories > LISTED { ", ..." } else { "" };
                 write!(f, " ({}{more})", listed.join(", "))
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn on_held_out(baseline: [f64; 2], winner: [f64; 2]) -> Validation {
+        let named = |values: [f64; 2]| Named::new(["nll", "rmse"], values);
+        let unknown = || Named::new(["nll", "rmse"], [None, None]);
+        let part = Part { rows: 10, trajectories: 1 };
+        Validation {
+            by: SplitBy::Time,
+            fresh: false,
+            share: 0.5,
+            train: part,
+            held_out: part,
+            trajectories: Vec::new(),
+            worse: is_worse(Some(&baseline), Some(&winner)),
+            baseline: Some(named(baseline)),
+            winner: Some(named(winner)),
+            improvement_train: unknown(),
+            improvement_held_out: unknown(),
+            overfit_gap: unknown(),
+            raw_measurements: Named::default(),
+            constraints: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_trade_on_held_out_data_is_called_one() {
+        for (winner, said) in [
+            ([1.0, 1.0], "The tuned parameters are better than yours on held-out data."),
+            ([1.0, 2.0], "The tuned parameters are no worse than yours on held-out data."),
+            ([2.0, 2.0], "The tuned parameters are no worse than yours on held-out data."),
+            ([2.0, 3.0], "The tuned parameters are worse than yours on held-out data."),
+            (
+                [1.0, 3.0],
+                "On held-out data the tuned parameters are better than yours under one objective and worse under another.",
+            ),
+        ] {
+            assert_eq!(on_held_out([2.0, 2.0], winner).sentence(), said, "{winner:?}");
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::constraint::misses;
 use super::{Tuning, Validation, count, significant};
 use crate::optimize;
 
@@ -18,6 +19,11 @@ pub enum Warning {
     WorseOnHeldOut,
     /// The winner fails on held-out rows.
     FailsOnHeldOut,
+    /// On held-out rows the winner misses constraints that it meets on the training rows.
+    ConstraintsOnHeldOut {
+        /// What is missed, by how much.
+        misses: String,
+    },
     /// A method for several objectives was given one.
     OneObjective {
         /// Its name.
@@ -57,6 +63,7 @@ impl Warning {
         [
             (!gains(tuning)).then_some(Self::NoGain),
             tuning.validation.as_ref().and_then(on_held_out),
+            missed_on_held_out(tuning).map(|misses| Self::ConstraintsOnHeldOut { misses }),
             one_objective(tuning),
             tuning.front.as_ref().filter(|front| front.len() == 1).map(|_| Self::OneMember),
             (failed > 0).then_some(Self::Failures { failed, evaluations }),
@@ -74,6 +81,11 @@ fn on_held_out(validation: &Validation) -> Option<Warning> {
         (None, _) => Some(Warning::FailsOnHeldOut),
         (Some(_), worse) => worse.then_some(Warning::WorseOnHeldOut),
     }
+}
+
+/// The constraints that the winner meets on the training rows and misses on the held-out ones.
+pub(super) fn missed_on_held_out(tuning: &Tuning) -> Option<String> {
+    tuning.validation.as_ref().filter(|_| tuning.feasible).and_then(|validation| misses(&validation.constraints))
 }
 
 /// Whether a method that is for fronts had one objective; random search is for anything.
@@ -108,6 +120,10 @@ impl fmt::Display for Warning {
             ),
             Self::FailsOnHeldOut => f.write_str(
                 "the filter with the tuned parameters fails on held-out data (keep yours, or narrow the bounds)",
+            ),
+            Self::ConstraintsOnHeldOut { misses } => write!(
+                f,
+                "on held-out data the tuned filter has {misses} (set the limit with room to spare, or tune on more rows)"
             ),
             Self::OneObjective { algorithm } => write!(
                 f,

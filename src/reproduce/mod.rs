@@ -21,7 +21,6 @@ use crate::model::ProblemError;
 use crate::optimize::OptimizeError;
 use crate::optimize::random::{Purpose, Stream};
 use crate::reference::Failure;
-#[cfg(feature = "figures")]
 use crate::report::figures::FigureError;
 use crate::study::StudyError;
 
@@ -118,7 +117,6 @@ pub enum ReproduceError {
         failure: Failure,
     },
     /// A picture could not be drawn.
-    #[cfg(feature = "figures")]
     #[error(transparent)]
     Figure(#[from] FigureError),
     /// The threads could not be started.

@@ -137,7 +137,8 @@ mod tests {
         table.rows.push(vec![Cell::text("PIO"), Cell::Number(44.251_234, 4), Cell::Count(30), Cell::Number(0.5, 3)]);
         table.rows.push(vec![Cell::text("PIO+"), Cell::Number(f64::NAN, 4), Cell::Count(7), Cell::Empty]);
         assert_eq!(table.text(), "  method  J      runs  paper\n  PIO     44.25    30  0.500\n  PIO+    NaN       7\n");
-        let markdown = "| method | J | runs | paper |\n| --- | --- | --- | --- |\n| PIO | 44.25 | 30 | 0.500 |\n| PIO+ | NaN | 7 |  |\n";
+        let markdown = "| method | J | runs | paper |\n| --- | --- | --- | --- |\n| PIO | 44.25 | 30 | 0.500 |\n\
+                        | PIO+ | NaN | 7 |  |\n";
         assert_eq!(table.markdown(), markdown);
         let mut csv = Vec::new();
         table.write_csv(&mut csv).unwrap();

@@ -4,6 +4,7 @@ mod archive;
 mod checkpoint;
 mod coordinates;
 mod decision;
+mod error;
 mod finish;
 mod front;
 mod record;
@@ -18,6 +19,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub use archive::{Archive, Scored};
 pub use checkpoint::{Checkpoint, CheckpointError, CheckpointFile, Identity, Source};
 pub use coordinates::Coordinates;
+pub use error::StudyError;
 pub use finish::{Certificate, Polish};
 pub use front::{FRONT_CAPACITY, Front, FrontMember, Landmarks};
 pub use record::{FINALISTS, Generation, Observer, Reached};
@@ -26,7 +28,7 @@ pub use stop::StopReason;
 
 use crate::evaluate::{Evaluation, Evaluator, Population};
 use crate::model::{Parameters, Problem, TuneSpec};
-use crate::optimize::{self, OptimizeError, Optimizer, RestoreError, Settings};
+use crate::optimize::{self, Optimizer, Settings};
 use decision::Decision;
 use finish::Bounds;
 use record::Record;
@@ -136,66 +138,6 @@ pub struct Outcome {
     pub evaluate_s: f64,
     /// Time of the whole study, in seconds.
     pub wall_s: f64,
-}
-
-/// Why a study could not run.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum StudyError {
-    /// The optimiser could not be built.
-    #[error(transparent)]
-    Optimize(#[from] OptimizeError),
-    /// Every parameter is fixed.
-    #[error("no parameter is searched: give at least one a range, such as r = {{ min = 0.1, max = 45 }}")]
-    NothingSearched,
-    /// The first generation does not fit.
-    #[error(
-        "{evaluations} evaluations do not hold one generation of {population}: raise evaluations or lower population"
-    )]
-    BudgetTooSmall {
-        /// Evaluations allowed.
-        evaluations: u64,
-        /// Candidates of generation 0.
-        population: usize,
-    },
-    /// More objectives than a front is found for.
-    #[error(
-        "{objectives} objectives: a front of at most {limit} is searched (keep those that matter most, and bound the \
-         others by constraints)"
-    )]
-    TooManyObjectives {
-        /// Objectives received.
-        objectives: usize,
-        /// Most that there may be.
-        limit: usize,
-    },
-    /// The oracle leaves out what the constraints bound.
-    #[error(
-        "the oracle returned {received} values for {expected} objectives and constraints: give it those of \
-         reference::scores"
-    )]
-    Oracle {
-        /// Objectives and constraints.
-        expected: usize,
-        /// Values received.
-        received: usize,
-    },
-    /// The optimiser refuses its saved state.
-    #[error(transparent)]
-    Restore(#[from] RestoreError),
-    /// The saved search is another one.
-    #[error("the saved search is not one of this study: {problem} (resume it with the study that saved it)")]
-    Snapshot {
-        /// What does not fit.
-        problem: &'static str,
-    },
-    /// The evaluator broke its contract.
-    #[error("the evaluator returned {received} costs for {expected} candidates: it must return one row each")]
-    Evaluator {
-        /// Candidates sent.
-        expected: usize,
-        /// Rows received.
-        received: usize,
-    },
 }
 
 /// Runs a study: searches until the optimiser or a limit ends it, re-scores the best distinct candidates by the oracle,

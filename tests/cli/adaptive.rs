@@ -31,6 +31,12 @@ fn every_kind_is_tuned_and_beats_its_start() {
         assert!(tuned.as_f64() < start.as_f64(), "{kind}: {json}");
         assert_eq!(json["certificate"]["order_held"], true, "{kind}");
         assert!(json["parameters"]["b"].is_number(), "{kind}: the forgetting is searched");
+        let note = format!(
+            "{} is where each trajectory starts; the filter adapts it",
+            if kind == "sage-husa" { "Q" } else { "R" }
+        );
+        assert_eq!(json["matrices"]["note"].as_str(), Some(note.as_str()), "{kind}");
+        assert!(folder.read("out/report.md").contains(&format!("Note: {note}.")), "{kind}");
         // What was tuned runs as a problem file.
         let again = folder.run(&["tune", "out/tuned.toml", "--json", "--quiet", "--generations", "0"]).expect(0).json();
         let same = again["baseline"]["objectives"]["nll"].as_f64().unwrap();
@@ -44,6 +50,9 @@ fn every_kind_is_filtered_simulated_and_printed() {
         let folder = folder(filter);
         let rows = folder.run(&["filter", "problem.toml", "--quiet"]).expect(0).stdout;
         assert_eq!(rows.lines().count(), 202, "{kind}: a header and 201 rows");
+        let smoothed = folder.run(&["filter", "problem.toml", "--quiet", "--smooth"]).expect(0).table();
+        assert!(smoothed[0].last().is_some_and(|name| name.ends_with("_smoothed")), "{kind}: {:?}", smoothed[0]);
+        assert!(smoothed.len() == 202 && smoothed[1..].iter().flatten().all(|cell| cell != "NaN"), "{kind}");
         let tape = folder.run(&["tape", "problem.toml"]).expect(0).stdout;
         assert!(tape.contains(carried), "{kind}: {carried} is carried:\n{tape}");
         let drawn = folder.run(&["simulate", "problem.toml"]).expect(0).stdout;

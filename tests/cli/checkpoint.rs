@@ -138,8 +138,9 @@ fn what_cannot_be_resumed_is_refused_with_the_reason() {
     folder.write("other.csv", crate::command::level_log(61));
     expect(
         refused(&["--data", "other.csv"]),
-        "the log is not the one it was written with (\"log.csv\", as it was then)",
+        "the log is not the one it was written with (data.file is \"log.csv\" there and \"other.csv\" here)",
     );
+    expect(refused(&["--validate", "0.3"]), "(data.validate is absent there and 0.3 here): resume with that log");
     expect(with(b""), "cannot resume from broken: the file is empty: name");
     expect(with(b"t,z\n0,1\n"), "it is not a checkpoint of kfgpu: name");
     expect(with(&whole[..whole.len() - 1]), "it is truncated, ");
@@ -158,7 +159,7 @@ fn what_cannot_be_resumed_is_refused_with_the_reason() {
     assert_eq!(std::fs::read(folder.path(FILE)).unwrap(), whole, "what was refused is as it was");
 
     folder.write("log.csv", crate::command::level_log(59));
-    expect(refused(&[]), "the log is not the one it was written with");
+    expect(refused(&[]), "the log is not the one it was written with (\"log.csv\", as it was then): resume with");
     std::fs::remove_file(folder.path("log.csv")).unwrap();
     expect(refused(&[]), "log.csv");
 }

@@ -115,6 +115,10 @@ fn the_front_is_scored_on_held_out_rows() {
     let recommended = marked(front, "recommended");
     assert_eq!(recommended["held_out"], json["validation"]["winner"], "scored alike");
     assert!(front.iter().all(|point| point["held_out"]["nll"].is_f64()), "{front:?}");
+    let base = ["tune", "problem.toml", "--objectives", "nll,mse_innovation", "--algorithm", "nsga2"];
+    let text = folder.run(&[&base[..], &["--validate", "0.3"]].concat()).expect(0).stdout;
+    assert!(text.contains("Front, training rows beside held-out rows, f64 ("), "{text}");
+    assert!(text.contains("nll, training") && text.contains("nll, held out"), "{text}");
     let table = folder.read("out/front.csv");
     assert!(table.starts_with("q,r,nll,mse_innovation,held_out.nll,held_out.mse_innovation,marks\n"), "{table}");
 }
@@ -142,6 +146,49 @@ fn a_constraint_is_kept_and_shown() {
     assert_eq!(both["constraints"].as_array().unwrap().len(), 2);
     let text = folder.run(&["tune", "problem.toml", "--constraint", bound]).expect(0).stdout;
     assert!(text.contains("nis_mean <= 0.5") && text.contains("met"), "{text}");
+}
+
+#[test]
+fn a_constraint_is_held_against_held_out_rows_too() {
+    let folder = Folder::with_level();
+    let base = ["tune", "problem.toml", "--validate", "0.3", "--out", "out", "--constraint"];
+    let json = folder.run(&[&base[..], &["nis_mean <= 0.5", "--json"]].concat()).expect(0).json();
+    let (train, held_out) = (&json["constraints"][0], &json["validation"]["constraints"][0]);
+    // By itself: the mean NIS of the tuned filter in the rows from 42 on.
+    folder.run(&["filter", "out/tuned.toml", "--out", "run.csv"]).expect(0);
+    let run = folder.read("run.csv");
+    let mut rows = run.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let column = rows.next().unwrap().iter().position(|name| *name == "nis").expect("a column of NIS");
+    let nis: Vec<f64> = rows.skip(42).map(|row| row[column].parse().unwrap()).collect();
+    let mean = nis.iter().sum::<f64>() / nis.len() as f64;
+    assert_eq!(nis.len(), 18);
+    assert!((held_out["value"].as_f64().unwrap() - mean).abs() < 1e-9, "{held_out}: {mean}");
+    assert!(train["met"] == true && train["value"] != held_out["value"], "{train}");
+    assert_eq!(held_out["met"], mean <= 0.5);
+}
+
+#[test]
+fn a_constraint_missed_on_held_out_rows_is_said() {
+    let folder = Folder::with_level();
+    // The noise grows tenfold in the rows held out.
+    let log = (0..60).fold("t,z\n".to_owned(), |text, k| {
+        let noise = (f64::from(k * 7919 % 13) - 6.0) * if k < 40 { 0.2 } else { 2.0 };
+        format!("{text}{k},{noise:.4}\n")
+    });
+    folder.write("log.csv", log);
+    let tune = ["tune", "problem.toml", "--validate", "0.33", "--constraint", "nis_mean <= 1.5", "--out", "out"];
+    let finished = folder.run(&tune).expect(0);
+    let text = finished.stdout;
+    assert!(text.contains("constraint, f64") && text.contains("held out") && text.contains("not met"), "{text}");
+    assert!(
+        finished.stderr.contains("warning: on held-out data the tuned filter has nis_mean "),
+        "{}",
+        finished.stderr
+    );
+    let report = folder.read("out/report.md");
+    for line in ["| `nis_mean <= 1.5` | training | ", "| `nis_mean <= 1.5` | held out | ", "| **not met** |"] {
+        assert!(report.contains(line), "{line:?} in {report}");
+    }
 }
 
 #[test]
@@ -226,4 +273,30 @@ fn a_front_resumes_to_the_same_bits() {
     run(&folder, &["--algorithm", "random", "--checkpoint", "part.kfgpu", "--evaluations", "64"]).expect(0);
     let resumed = run(&folder, &["--algorithm", "random", "--resume", "part.kfgpu"]).expect(0).json();
     assert_eq!((&resumed["front"], &resumed["front_summary"]), (&whole["front"], &whole["front_summary"]));
+}
+
+/// NIS at half of what it should be costs likelihood, so the winner has a higher nll than the start that breaks the bound.
+#[test]
+fn what_meets_a_constraint_is_not_called_worse_for_its_cost() {
+    let folder = Folder::with_level();
+    folder.run(&["tune", "problem.toml", "--out", "best"]).expect(0);
+    let arguments = ["tune", "best/tuned.toml", "--json", "--out", "out", "--constraint", "nis_mean <= 0.5"];
+    let json = folder.run(&arguments).expect(0).json();
+    let check = &json["constraints"][0];
+    assert!(check["met"] == true && check["baseline"].as_f64() > Some(0.5), "{check}");
+    assert!(json["objectives"]["nll"].as_f64() > json["baseline"]["objectives"]["nll"].as_f64(), "{json}");
+    let report = folder.read("out/report.md");
+    assert!(report.contains("**The tuned parameters meet every constraint, which yours do not"), "{report}");
+}
+
+/// The start is the best in one objective, so whatever is recommended beside it is a trade.
+#[test]
+fn a_trade_is_not_called_better() {
+    let folder = Folder::with_level();
+    folder.run(&["tune", "problem.toml", "--out", "best"]).expect(0);
+    let arguments = ["tune", "best/tuned.toml", "--algorithm", "nsga2", "--objectives", "nll,nis", "--out", "out"];
+    folder.run(&[&arguments[..], &["--pick", "nis"]].concat()).expect(0);
+    let report = folder.read("out/report.md");
+    let trade = "**The tuned parameters are better than yours under `nis` and worse under `nll`";
+    assert!(report.contains(trade), "{report}");
 }

@@ -31,22 +31,26 @@ fn an_unusable_folder_is_refused_before_work_starts() {
     assert!(error.contains("cannot make the output folder"), "{error}");
 }
 
-/// The whole quick study through the binary: every target is reached, and what it says is written.
+/// Both studies through the binary: every target is reached, and what is said is written.
 #[test]
-fn the_quick_moma_study_passes() {
+fn the_quick_studies_pass() {
     let folder = Folder::new();
-    let json = folder.run(&["reproduce", "moma", "--quick", "--json", "--out", "results"]).expect(0).json();
-    assert_eq!((&json["name"], &json["pass"], &json["quick"]), (&"moma".into(), &true.into(), &true.into()));
+    let json = folder.run(&["reproduce", "all", "--quick", "--json", "--out", "results"]).expect(0).json();
+    assert_eq!((&json["name"], &json["pass"], &json["quick"]), (&"all".into(), &true.into(), &true.into()));
     let targets = json["targets"].as_array().unwrap();
-    assert!(targets.len() > 15 && targets.iter().all(|target| target["pass"] == true), "{targets:?}");
-    assert_eq!(json["table"][0]["method"], "Regular");
-    assert!(json["reduced"].as_str().unwrap().starts_with("6 data sets in place of 20"), "{json}");
-    let report = folder.read("results/report.md");
-    for part in ["**Quick run: 6 data sets", "| MOMA | paper-like | 5.2556 |", "](fig3-error.svg)"] {
-        assert!(report.contains(part), "{part} in {report}");
-    }
-    let names = folder.names("results");
-    for name in ["fig2-front.svg", "result.json", "runs.csv", "summary.csv", "targets.csv", "tracks.csv"] {
-        assert!(names.iter().any(|n| n == name), "{name} in {names:?}");
+    assert!(targets.len() > 30 && targets.iter().all(|target| target["pass"] == true), "{targets:?}");
+    assert_eq!(json["studies"][1]["table"][0]["method"], "Regular");
+    let cases = [
+        ("kf-pio", ["**Quick run: 10 data sets in place of 30", "| KF-PSO | 37.62 |", "](fig8-convergence.svg)"]),
+        ("moma", ["**Quick run: 6 data sets in place of 20", "| MOMA | paper-like | 5.2556 |", "](fig3-error.svg)"]),
+    ];
+    for (study, parts) in cases {
+        let report = folder.read(&format!("results/{study}/report.md"));
+        assert!(parts.iter().all(|part| report.contains(part)), "{parts:?} in {report}");
+        let names = folder.names(&format!("results/{study}"));
+        for name in ["result.json", "runs.csv", "summary.csv", "targets.csv", "tracks.csv"] {
+            assert!(names.iter().any(|n| n == name), "{name} in {names:?}");
+        }
+        assert!(names.iter().filter(|name| name.ends_with(".svg")).count() >= 4, "{names:?}");
     }
 }

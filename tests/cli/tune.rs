@@ -157,6 +157,17 @@ fn nothing_usable_exits_1_and_says_so_everywhere() {
 }
 
 #[test]
+fn a_problem_file_in_its_own_folder_of_results_is_never_lost() {
+    let folder = Folder::with_level();
+    tune(&folder, &["--out", "out"]);
+    let broken = folder.read("out/tuned.toml").replace("f = [\"x\"]", "f = [\"1e200*x\"]");
+    folder.write("out/tuned.toml", &broken);
+    folder.run(&["tune", "out/tuned.toml", "--out", "out"]).expect(1);
+    assert_eq!(folder.read("out/tuned.toml"), broken, "nothing was tuned, and it is the user's own");
+    assert!(!folder.names("out").contains(&"figures".to_owned()), "what the earlier run left is gone");
+}
+
+#[test]
 fn what_needs_a_second_look_is_said_and_recorded() {
     let folder = Folder::with_level();
     // The variance of x is q - 20, so candidates with a smaller q may fail.

@@ -4,7 +4,7 @@
 
 use kfgpu::data::Log;
 use kfgpu::model::{Expr, FilterKind};
-use kfgpu::reference::{Cause, Run, run, smooth};
+use kfgpu::reference::{Cause, Run, run};
 
 use super::support::{Linear, close, log, scalars};
 
@@ -109,14 +109,4 @@ fn a_setting_outside_its_range_fails_the_candidate() {
         let failure = run(&problem, &log(vec![scalars(&[1.0])]), &[]).expect_err("out of range");
         assert_eq!(failure.what, Cause::Setting { key });
     }
-}
-
-/// Its Q or R of a row is not that of the formulas, which a smoother would take.
-#[test]
-fn an_adaptive_filter_is_not_smoothed() {
-    let mut problem = Linear::level(1.0, 1.0, 1.0).problem();
-    let log = log(vec![scalars(&[4.0, 0.0])]);
-    assert!(smooth(&problem, &log, &[]).is_ok(), "the plain filter is");
-    problem.filter = fuzzy(15);
-    assert_eq!(smooth(&problem, &log, &[]).unwrap_err().what, Cause::Adaptive);
 }

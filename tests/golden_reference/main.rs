@@ -4,6 +4,7 @@
 
 mod adaptive;
 mod adaptive_study;
+mod calibration;
 mod diffuse;
 mod examples;
 mod held_out;

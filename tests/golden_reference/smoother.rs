@@ -1,9 +1,9 @@
 //! The smoother against three computations that share nothing with it: the conditional distribution of every state
-//! given all measurements, from one Gaussian of all of them; the recursion of Rauch, Tung and Striebel as published; and
-//! for diffuse starts the inverse of the information matrix of all states together.
+//! given all measurements, from one Gaussian of all of them; the recursion of Rauch, Tung and Striebel as published, of
+//! adaptive filters too; and for diffuse starts the inverse of the information matrix of all states together.
 
 use kfgpu::data::Log;
-use kfgpu::model::First;
+use kfgpu::model::{Expr, FilterKind, First, Problem};
 use kfgpu::reference::{Estimate, Smoothed, run, smooth};
 use nalgebra::{DMatrix, DVector};
 
@@ -84,9 +84,11 @@ fn smoothed_states_are_conditional_on_all_measurements() {
     println!("largest relative error of smoothed means and covariances over 420 random logs: {worst:.1e}");
 }
 
-/// x + C (xs - x'), P + C (Ps - P') C' with C = P F' P'^-1, as printed.
-fn rauch_tung_striebel(model: &Linear, log: &Log) -> Vec<Estimate> {
-    let steps = run(&model.problem(), log, &[]).expect("runs").trajectories.remove(0);
+/// x + C (xs - x'), P + C (Ps - P') C' with C = P F' P'^-1, as printed; it asks the filter what it predicted and needs
+/// neither Q nor R.
+fn rauch_tung_striebel(model: &Linear, filter: &FilterKind, log: &Log) -> Vec<Estimate> {
+    let problem = Problem { filter: filter.clone(), ..model.problem() };
+    let steps = run(&problem, log, &[]).expect("runs").trajectories.remove(0);
     let t = &log.trajectories[0];
     let mut next = steps[steps.len() - 1].posterior.clone();
     let mut all = vec![next.clone()];
@@ -118,7 +120,9 @@ fn long_logs_agree_with_the_recursion_as_published() {
         let steps = run(&model.problem(), &log, &[]).expect("runs").trajectories.remove(0);
         let found = smoothed(&model, &log);
         assert_eq!(found[299].estimate, steps[299].posterior, "nothing follows the last row");
-        for ((step, found), expected) in steps.iter().zip(&found).zip(rauch_tung_striebel(&model, &log)) {
+        for ((step, found), expected) in
+            steps.iter().zip(&found).zip(rauch_tung_striebel(&model, &FilterKind::Kalman, &log))
+        {
             let error = error(&found.estimate, &expected.x, &expected.p);
             assert!(error < 1e-10, "case {case}, row {}: {error:.1e}", step.row);
             worst = worst.max(error);
@@ -128,6 +132,43 @@ fn long_logs_agree_with_the_recursion_as_published() {
         }
     }
     println!("largest difference from the published recursion over 12 logs of 300 rows: {worst:.1e}");
+}
+
+/// With missing values, irregular intervals, inputs, and every way to start.
+#[test]
+fn adaptive_filters_are_smoothed_with_the_noise_they_used() {
+    let setting = Expr::number;
+    let kinds = [
+        FilterKind::SageHusa { forgetting: setting(0.9) },
+        FilterKind::SageHusaR { forgetting: setting(0.9), floor: setting(0.05) },
+        FilterKind::Fuzzy { window: 3, gain: setting(0.3), width: setting(0.5) },
+    ];
+    let mut worst = [0.0f64; 3];
+    for case in 0..36 {
+        let mut draws = Draws(2_000 + case);
+        let pick = |case: u64, of: u64| usize::try_from(case % of).expect("small");
+        let n = 1 + pick(case, 3);
+        let mut model = model(&mut draws, n, 1 + pick(case / 3, 2), if case % 6 == 5 { 0 } else { 1 });
+        model.f = draws.matrix(n, n) * (0.9 / n as f64);
+        model.drift = Some(DMatrix::zeros(n, n));
+        model.r = DMatrix::from_diagonal(&model.r.diagonal());
+        model.first = if case % 6 == 5 { First::Predict { dt: Some(0.7) } } else { First::Update };
+        model.start = model.start.filter(|_| case % 6 != 4);
+        let log = draw_log(&mut draws, &model, 40);
+        let plain = smoothed(&model, &log);
+        for (kind, worst) in kinds.iter().zip(&mut worst) {
+            let problem = Problem { filter: kind.clone(), ..model.problem() };
+            let found = smooth(&problem, &log, &[]).expect("runs").remove(0);
+            let expected = rauch_tung_striebel(&model, kind, &log);
+            assert_eq!(found.len(), expected.len(), "case {case}, {kind:?}");
+            assert_ne!(found, plain, "case {case}, {kind:?}: it adapts");
+            for (found, expected) in found.iter().zip(&expected) {
+                *worst = worst.max(error(&found.estimate, &expected.x, &expected.p));
+            }
+        }
+    }
+    println!("largest difference from the published recursion, by kind, over 36 logs of 40 rows: {worst:?}");
+    assert!(worst.iter().all(|worst| *worst < 1e-10), "{worst:?}");
 }
 
 /// Constant velocity with unit R and a diffuse P0: mean and covariance by the information matrix of all states

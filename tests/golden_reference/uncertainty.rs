@@ -103,7 +103,10 @@ fn parameters_that_trade_off_are_named() {
     let expected = error(&Uncertainty::of(&two, &log, &at), "sigma2_eps");
     assert!((error(&found, "sigma2_eps") / expected - 1.0).abs() < 1e-4, "{found:?}");
     let text = found.to_string();
-    assert!(text.contains("standard errors: sigma2_eps ") && text.contains("trade off"), "{text}");
+    assert!(
+        text.contains("standard errors (of the rows tuned on): sigma2_eps ") && text.contains("trade off"),
+        "{text}"
+    );
     let json = serde_json::to_value(&found).expect("plain data");
     assert!(json["standard_errors"]["gain"].is_null() && json["standard_errors"]["sigma2_eps"].is_number(), "{json}");
 }

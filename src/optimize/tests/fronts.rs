@@ -24,17 +24,18 @@ fn middle(mut values: Vec<f64>) -> f64 {
     values[values.len() / 2]
 }
 
-/// The other program's seeds spread from `low` to `high`; the median of ours may lie as far again on the bad side.
+/// The other program's three seeds spread from `low` to `high`; the median of ours lies among them or beyond their best.
 fn within_spread(what: &str, ours: f64, theirs: &[f64], larger_is_better: bool) {
     let (low, high) =
         (theirs.iter().copied().fold(f64::MAX, f64::min), theirs.iter().copied().fold(f64::MIN, f64::max));
     println!("{what}: {ours:.6} against {low:.6} to {high:.6}");
-    let reached = if larger_is_better { ours >= low - (high - low) } else { ours <= high + (high - low) };
+    let reached = if larger_is_better { ours >= low } else { ours <= high };
     assert!(reached, "{what}: {ours}, theirs {low} to {high}");
 }
 
-/// 100 candidates x 250 generations, as there. Measured: hypervolumes .86936 against .86962 to .86992 on ZDT1, .53627
-/// against .53631 to .53639 on ZDT2, and within their range on ZDT3 and DTLZ2.
+/// 100 candidates x 250 generations, as there; medians of 15 seeds. Measured hypervolumes: .86982 against .86962 to .86992
+/// on ZDT1, .53662 against .53631 to .53639 on ZDT2, 1.32773 against 1.32733 to 1.32773 on ZDT3, .70244 against .69897 to
+/// .71116 on DTLZ2. With copies among the offspring (1.4 in a last population) ZDT1 and ZDT2 miss theirs: .86947, .53626.
 #[test]
 fn fronts_are_as_good_as_another_programs() {
     #[derive(serde::Deserialize)]
@@ -57,7 +58,7 @@ fn fronts_are_as_good_as_another_programs() {
             let front = last_front(function, coordinates, settings(100, 249, seed));
             (hypervolume(&slices(&front), &reference), igd(&slices(&front), &slices(&truth)))
         };
-        let (hv, distance): (Vec<f64>, Vec<f64>) = (1..=5_u64).into_par_iter().map(score).unzip();
+        let (hv, distance): (Vec<f64>, Vec<f64>) = (1..=15_u64).into_par_iter().map(score).unzip();
         let (their_hv, their_igd): (Vec<f64>, Vec<f64>) = theirs.iter().map(|run| (run.hv, run.igd)).unzip();
         within_spread(&format!("{name}, hypervolume"), middle(hv), &their_hv, true);
         within_spread(&format!("{name}, IGD"), middle(distance), &their_igd, false);
@@ -65,7 +66,7 @@ fn fronts_are_as_good_as_another_programs() {
 }
 
 /// ZDT6, which the other program's file does not have, and four objectives: the share of the true front's hypervolume
-/// (0.982 and 0.782 measured).
+/// (0.980 and 0.784 measured).
 #[test]
 fn uneven_and_four_objective_fronts_are_found() {
     for (function, steps, least) in [(MultiObjective::Zdt6, 2000, 0.97), (MultiObjective::Dtlz2(4), 16, 0.75)] {

@@ -194,3 +194,47 @@ fn unbounded_coordinates_are_searched() {
         assert!(best < 1e-2, "{name}: {best}");
     }
 }
+
+/// Population and offspring, positions as bits.
+fn positions(search: &Nsga2, asked: &Population) -> Vec<Vec<u64>> {
+    let bits = |x: &[f64]| x.iter().map(|x| x.to_bits()).collect();
+    search.population().rows().chain(asked.rows()).map(bits).collect()
+}
+
+/// With `distinct` no position occurs twice, and a child that repeats nothing is what it is without.
+#[test]
+fn no_position_is_scored_twice() {
+    let function = MultiObjective::Zdt1;
+    for coordinates in [2, 5] {
+        let settings = Settings { objectives: 2, ..settings(30, 40, 7) };
+        let space = Space::boxed(&function.bounds()[..coordinates]);
+        let (mut search, mut mock) = (Nsga2::new(&space, &settings, PUBLISHED), Mock::new(function));
+        let mut repeated = 0;
+        for t in 0..=40 {
+            let state = search.save().expect("a state");
+            let asked = search.ask().expect("a generation");
+            if t > 0 {
+                let mut careless = Nsga2::new(&space, &settings, Rules { distinct: false, ..PUBLISHED });
+                careless.restore(&state).expect("the same settings");
+                let (found, plain) = (positions(&search, &asked), careless.ask().expect("a generation"));
+                let plain = positions(&search, &plain);
+                for i in 30..60 {
+                    assert!(!found[..i].contains(&found[i]), "{coordinates} coordinates, generation {t}, child {i}");
+                    let repeats = plain[..i].contains(&plain[i]);
+                    assert_eq!(found[i] != plain[i], repeats, "{coordinates} coordinates, generation {t}, child {i}");
+                    repeated += usize::from(repeats);
+                }
+            }
+            search.tell(&asked, &mock.evaluate(&asked));
+        }
+        assert!(repeated > 20, "{repeated} children of 1,200 with {coordinates} coordinates repeated another");
+    }
+}
+
+/// Where there is one position only, all children are copies, and the search still ends.
+#[test]
+fn a_box_without_room_is_searched_to_its_end() {
+    let space = Space::boxed(&[[0.5, 0.5]; 2]);
+    let (populations, _) = run("nsga2", &space, settings(6, 5, 1), Mock::new(Landscape::Sphere));
+    assert_eq!(populations.len(), 6);
+}

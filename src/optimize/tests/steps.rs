@@ -1,6 +1,7 @@
 //! The exact steps of PSO and PIO against a second implementation: plain arrays, the same draws.
 
 use super::*;
+use crate::evaluate::Status;
 use crate::optimize::random::{Purpose, Stream};
 
 const SEED: u64 = 11;
@@ -137,5 +138,24 @@ fn pio_moves_as_specified() {
         }
         let flock: Vec<usize> = ours[4..].iter().map(Vec::len).collect();
         assert_eq!(flock, if form.all_stay { [9, 9, 9] } else { [9, 4, 2] }, "{}", form.name);
+    }
+}
+
+/// A memetic wrapper may tell of other positions than were asked for: a flock that was moved to one point has nowhere
+/// to go, by the best position as by the landmark.
+#[test]
+fn a_flock_goes_on_from_where_it_is_told_to_be() {
+    let point = [0.5, -0.25];
+    for name in ["pio", "pio-printed", "pio+"] {
+        let mut flock = build(name, &Space::boxed(&Mock::bounds(2)), &settings(8, 9, 5)).expect(name);
+        let first = flock.ask().expect("generation 0");
+        flock.tell(&Population::from_rows(2, point.repeat(8)), &Evaluation::new(1, vec![1.0; 8], vec![Status::OK; 8]));
+        assert!(first.rows().all(|x| x != point), "{name}: it was elsewhere");
+        while let Some(asked) = flock.ask() {
+            let there = |x: &[f64]| x.iter().zip(point).all(|(x, point)| (x - point).abs() < 1e-14);
+            assert!(asked.rows().all(there), "{name}: {asked:?}");
+            let costs = vec![1.0; asked.len()];
+            flock.tell(&asked, &Evaluation::new(1, costs, vec![Status::OK; asked.len()]));
+        }
     }
 }

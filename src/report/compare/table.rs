@@ -1,6 +1,6 @@
 //! The comparison as a table: one column a run.
 
-use super::{Comparison, Run};
+use super::{Comparison, Run, RunValidation};
 use crate::report::{TextTable, count, seconds, short, significant};
 
 /// Digits of parameters and objectives.
@@ -73,9 +73,16 @@ fn against_baseline(run: &Run) -> String {
         Some(v) if v.winner.is_none() => "fails",
         Some(v) if v.worse => "worse",
         Some(v) if v.baseline.is_none() => "baseline fails",
+        Some(v) if is_worse_somewhere(v) => "a trade",
         Some(_) => "no worse",
     }
     .to_owned()
+}
+
+/// Whether the winner is above the baseline under some objective.
+fn is_worse_somewhere(validation: &RunValidation) -> bool {
+    let (Some(baseline), Some(winner)) = (&validation.baseline, &validation.winner) else { return false };
+    winner.iter().any(|(name, winner)| winner.zip(baseline.get(name).copied().flatten()).is_some_and(|(w, b)| w > b))
 }
 
 /// Every parameter of any run, with its unit.

@@ -52,6 +52,11 @@ fn held_out_scores_stand_beside_training_scores() {
     let text = comparison.to_string();
     assert!(text.contains("nll, training") && text.contains("44.000000 *"), "{text}");
     assert!(text.contains("no worse"), "{text}");
+    let trade = HELD_OUT.replace("\"nll\":50.0", "\"nll\":50.0,\"rmse\":1.0");
+    let trade = trade.replace("\"nll\":45.0", "\"nll\":45.0,\"rmse\":2.0");
+    let runs = ["a", "b"].map(|path| run(path, &[("\"validation\":null", &trade)])).to_vec();
+    let text = Comparison::of(runs).unwrap().to_string();
+    assert!(text.contains("a trade") && !text.contains("no worse"), "{text}");
 }
 
 #[test]

@@ -27,7 +27,7 @@ const NAMED: f64 = 0.05;
 /// Most work for a Hessian, in rows x (n^3 + 100) of all its filter runs: a few seconds of one core.
 const WORK: f64 = 4e8;
 
-/// How well a log determines the parameters of a filter tuned on it. All are null (JSON) where not computed.
+/// How well the rows that a filter was tuned on determine its parameters. All are null (JSON) where not computed.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Uncertainty {
     /// Standard error of each searched parameter, in its own unit; NaN where the log does not determine it, or it is at
@@ -273,7 +273,7 @@ impl fmt::Display for Uncertainty {
                 .collect();
             let note = self.standard_errors_note.as_ref().map_or_else(String::new, |note| format!(" ({note})"));
             let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
-            writeln!(f, "  standard errors: {known}{note}")?;
+            writeln!(f, "  standard errors (of the rows tuned on): {known}{note}")?;
         } else if let Some(note) = &self.standard_errors_note {
             writeln!(f, "  standard errors: none, {note}")?;
         }

@@ -164,8 +164,10 @@ pub(super) fn sample(svg: &mut Svg, mark: &Mark, (x, y): (f64, f64)) {
     let line = segment((x, y), (x + SAMPLE, y));
     let area = rectangle([x, y - 5.0, SAMPLE, 10.0]);
     match &mark.shape {
-        Shape::Line { stroke, .. } | Shape::Horizontal { stroke, .. } | Shape::Vertical { stroke, .. } => {
-            svg.stroke(&line, *stroke);
+        Shape::Line { stroke, .. } | Shape::Horizontal { stroke, .. } => svg.stroke(&line, *stroke),
+        Shape::Vertical { stroke, .. } => {
+            let middle = x + 0.5 * SAMPLE;
+            svg.stroke(&segment((middle, y - 8.0), (middle, y + 8.0)), *stroke);
         }
         Shape::Points { marker, colour, .. } => svg.markers(&[(x + 0.5 * SAMPLE, y)], *marker, *colour),
         Shape::Band { colour, .. } => svg.fill(&area, colour.tint(), None),

@@ -49,7 +49,7 @@ pub use convergence::{convergence, hypervolume};
 pub use front::FrontPicture;
 pub use landscape::landscape;
 pub use panel::Panel;
-pub use run_pictures::{autocorrelation, titled};
+pub use run_pictures::titled;
 pub use run_record::RunRecord;
 pub use style::{Colour, Dash, Marker, Stroke};
 

@@ -3,13 +3,15 @@
 use super::envelope::Envelope;
 use super::run_record::{MOST, MeasurementSeries, RunRecord, StateSeries, Track};
 use super::{Axis, Colour, Dash, Figure, Marker, Panel, Stroke};
-use crate::model::Problem;
+use crate::model::{Problem, SplitBy};
 use crate::report::{Whiteness, significant};
 
 const MEASURED: (Marker, Colour) = (Marker::Dot, Colour::Grey);
 const ESTIMATE: Stroke = Stroke::new(Colour::Black);
 const TRUTH: Stroke = Stroke::dashed(Colour::Red, Dash::Dashed).width(1.6);
 const SMOOTHED: Stroke = Stroke::dashed(Colour::Blue, Dash::DashDot).width(1.8);
+/// Where held-out rows begin.
+const BOUNDARY: Stroke = Stroke::dashed(Colour::Black, Dash::Dotted).width(1.8);
 const LIMIT: Stroke = Stroke::dashed(Colour::Red, Dash::Dashed);
 
 impl RunRecord<'_> {
@@ -21,12 +23,12 @@ impl RunRecord<'_> {
         let shown = states.len().min(MOST);
         let left_out =
             if shown < states.len() { format!(", first {shown} of {} states", states.len()) } else { String::new() };
-        let figure = self.figure(&format!("measurements and estimates{left_out}"));
+        let figure = self.figure(&format!("estimates{left_out}"));
         let Some(track) = self.track() else { return figure.panel(self.empty("state")) };
         let alone = (0..track.measurements.len()).filter(|i| !self.measured_as.contains(&Some(*i)));
-        figure
-            .panels((0..shown).map(|state| self.state(track, state)))
-            .panels(alone.take(MOST - shown.min(MOST - 2)).map(|i| self.measurement(&track.measurements[i], i)))
+        let alone = alone.take(MOST - shown.min(MOST - 2)).map(|i| self.measurement(&track.measurements[i], i));
+        let states = (0..shown).map(|state| self.state(track, state));
+        figure.panels(states.chain(alone).map(|panel| self.with_boundary(panel)))
     }
 
     fn state(&self, track: &Track, state: usize) -> Panel {
@@ -74,7 +76,7 @@ impl RunRecord<'_> {
                 .line("estimate minus truth", ESTIMATE, series.error.line())
         };
         let figure = (!with_truth.is_empty()).then(|| self.figure("estimation errors"));
-        figure.map(|figure| figure.panels(with_truth.into_iter().map(panel)))
+        figure.map(|figure| figure.panels(with_truth.into_iter().map(panel).map(|panel| self.with_boundary(panel))))
     }
 
     /// Innovations with plus and minus two of their standard deviations, within which 95 % lie if the filter is right.
@@ -93,7 +95,8 @@ impl RunRecord<'_> {
                 .points("innovation", (Marker::Dot, Colour::Black), series.innovation.points())
                 .horizontal("", Stroke::new(Colour::Grey).width(1.0), 0.0)
         };
-        figure.panels(self.log.measurements.iter().zip(&track.measurements).map(panel))
+        let panels = self.log.measurements.iter().zip(&track.measurements).map(panel);
+        figure.panels(panels.map(|panel| self.with_boundary(panel)))
     }
 
     /// NIS over time with the band that holds 95 % of it if the filter is right.
@@ -113,11 +116,44 @@ impl RunRecord<'_> {
         let high = track.nis_band.band().map(|(_, [_, high])| high).fold(f64::NEG_INFINITY, f64::max);
         let high = track.nis.line().map(|(_, nis)| nis).filter(|nis| nis.is_finite()).fold(high, f64::max) * 1.5;
         let axis = if 0.0 < low && low < high && high < 1e300 { axis.range(low, high) } else { axis };
+        let held_out = if self.held_out_by().is_some() { "held-out " } else { "" };
         let panel = Panel::new(time_axis(self.problem), axis)
-            .title(format!("mean {mean} a component; {inside:.1} % of {} {rows} in the band", nis.rows))
+            .title(format!("mean {mean} a component; {inside:.1} % of {} {held_out}{rows} in the band", nis.rows))
             .band("95 % band", Colour::Blue, track.nis_band.band())
             .points("NIS", (Marker::Dot, Colour::Black), track.nis.points());
-        figure.panel(panel)
+        figure.panel(self.with_boundary(panel))
+    }
+
+    /// Autocorrelations of the normalised innovations with the band that holds 95 % of them if they are white.
+    #[must_use]
+    pub fn autocorrelation(&self, whiteness: &[Whiteness]) -> Figure {
+        let panel = |w: &Whiteness| {
+            let bars = w.autocorrelation.iter().enumerate().map(|(i, r)| {
+                let lag = i as f64 + 1.0;
+                ([lag - 0.3, lag + 0.3], *r)
+            });
+            let p_value =
+                if w.p_value < 1e-4 { "< 1e-4".to_owned() } else { format!("= {}", significant(w.p_value, 2)) };
+            let title = match w.autocorrelation.len() {
+                0 => format!("{}: too few values", w.measurement),
+                _ => format!("{}: Ljung-Box p {p_value}", w.measurement),
+            };
+            let end = w.autocorrelation.len() as f64 + 1.0;
+            let lag = Axis::new("lag").unit("measured rows").whole().range(0.0, end);
+            Panel::new(lag, Axis::new("autocorrelation"))
+                .title(title)
+                .bars("autocorrelation", Colour::Blue, bars)
+                .horizontal("95 % band", LIMIT, w.band)
+                .horizontal("", LIMIT, -w.band)
+                .horizontal("", Stroke::new(Colour::Black).width(1.0), 0.0)
+        };
+        let columns = if whiteness.len() > 1 { 2 } else { 1 };
+        let what = format!("autocorrelation of the innovations{}", self.rows());
+        let figure = Figure::new(titled(self.problem, &what)).columns(columns);
+        if whiteness.is_empty() {
+            return figure.panel(Panel::new(Axis::new("lag"), Axis::new("autocorrelation")));
+        }
+        figure.panels(whiteness.iter().take(MOST).map(panel))
     }
 
     /// Histograms of the normalised innovations of all trajectories over N(0, 1).
@@ -125,7 +161,7 @@ impl RunRecord<'_> {
     pub fn histogram(&self) -> Figure {
         let names = self.log.measurements.iter().zip(&self.histograms).take(MOST);
         let columns = if self.histograms.len() > 1 { 2 } else { 1 };
-        Figure::new(titled(self.problem, "normalised innovations"))
+        Figure::new(titled(self.problem, &format!("normalised innovations{}", self.rows())))
             .columns(columns)
             .panels(names.map(|(name, histogram)| histogram.panel(name)))
     }
@@ -137,45 +173,33 @@ impl RunRecord<'_> {
             let id = &self.log.trajectories[track.trajectory].id;
             let number = (track.trajectory + 1).to_string();
             let name = if id.is_empty() { &number } else { id };
-            format!(" (trajectory {name}: largest mean NIS of {all})")
+            let (held_out, held_out_rows) = match self.held_out_by() {
+                None => ("", ""),
+                Some(SplitBy::Trajectory) => ("held-out ", ""),
+                Some(SplitBy::Time) => ("", " in held-out rows"),
+            };
+            format!(" ({held_out}trajectory {name}: largest mean NIS{held_out_rows} of {all})")
         });
         let height = if self.log.measurements.len().max(self.problem.model.states.len()) > 2 { 150.0 } else { 220.0 };
         Figure::new(titled(self.problem, &format!("{what}{}", which.unwrap_or_default()))).size(760.0, height)
     }
 
+    /// A panel over time, with the place where held-out rows begin over all else.
+    fn with_boundary(&self, panel: Panel) -> Panel {
+        match self.boundary() {
+            Some(time) => panel.vertical("held-out rows begin", BOUNDARY, time),
+            None => panel,
+        }
+    }
+
+    /// Which rows count, for a title.
+    fn rows(&self) -> &'static str {
+        if self.held_out_by().is_some() { " of the held-out rows" } else { "" }
+    }
+
     fn empty(&self, y: &str) -> Panel {
         Panel::new(time_axis(self.problem), Axis::new(y))
     }
-}
-
-/// Autocorrelations of the normalised innovations with the band that holds 95 % of them if they are white.
-#[must_use]
-pub fn autocorrelation(problem: &Problem, whiteness: &[Whiteness]) -> Figure {
-    let panel = |w: &Whiteness| {
-        let bars = w.autocorrelation.iter().enumerate().map(|(i, r)| {
-            let lag = i as f64 + 1.0;
-            ([lag - 0.3, lag + 0.3], *r)
-        });
-        let p_value = if w.p_value < 1e-4 { "< 1e-4".to_owned() } else { format!("= {}", significant(w.p_value, 2)) };
-        let title = match w.autocorrelation.len() {
-            0 => format!("{}: too few values", w.measurement),
-            _ => format!("{}: {} values, Ljung-Box p {p_value}", w.measurement, w.count),
-        };
-        let end = w.autocorrelation.len() as f64 + 1.0;
-        let lag = Axis::new("lag").unit("measured rows").whole().range(0.0, end);
-        Panel::new(lag, Axis::new("autocorrelation"))
-            .title(title)
-            .bars("autocorrelation", Colour::Blue, bars)
-            .horizontal("95 % band", LIMIT, w.band)
-            .horizontal("", LIMIT, -w.band)
-            .horizontal("", Stroke::new(Colour::Black).width(1.0), 0.0)
-    };
-    let columns = if whiteness.len() > 1 { 2 } else { 1 };
-    let figure = Figure::new(titled(problem, "autocorrelation of the innovations")).columns(columns);
-    if whiteness.is_empty() {
-        return figure.panel(Panel::new(Axis::new("lag"), Axis::new("autocorrelation")));
-    }
-    figure.panels(whiteness.iter().take(MOST).map(panel))
 }
 
 /// An axis that shows all values, and of their band what is near: a wide P0 would leave little room for the rest.

@@ -1,24 +1,27 @@
 //! What the pictures of a filter run need, collected row by row in memory that does not grow with the log.
 
-use nalgebra::Cholesky;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::envelope::Envelope;
 use super::histogram::Histogram;
-use crate::data::{Log, Trajectory};
-use crate::model::{ExprKind, Model, Problem, Symbol};
+use crate::data::{HeldOut, Log, Trajectory};
+use crate::model::{ExprKind, Model, Problem, SplitBy, Symbol};
 use crate::reference::{Estimate, Step, Update};
+use crate::report::consistency::normalised;
 
 /// Most states, and most measurements, that are drawn.
 pub(super) const MOST: usize = 6;
 
 /// A filter run as its pictures need it.
 ///
-/// Histograms are of all trajectories; what is drawn over time is of one, that with the largest mean NIS.
+/// Histograms are of all trajectories; what is drawn over time is of one, that with the largest mean NIS. Where held-out
+/// rows are shown, these alone count for histograms, NIS and the choice of that trajectory.
 #[derive(Debug, Clone)]
 pub struct RunRecord<'a> {
     pub(super) problem: &'a Problem,
     pub(super) log: &'a Log,
+    /// The first row of each trajectory that counts, where held-out rows are shown.
+    held_out: Option<&'a HeldOut>,
     /// For each state that is drawn, the measurement that is this state.
     pub(super) measured_as: Vec<Option<usize>>,
     /// 95 % of NIS with 0, 1, 2, ... components lie in these.
@@ -87,6 +90,7 @@ impl<'a> RunRecord<'a> {
         Self {
             problem,
             log,
+            held_out: None,
             measured_as: (0..states).map(|state| measurement_of(&problem.model, state)).collect(),
             bands: (0..=m).map(nis_band).collect(),
             histograms: vec![Histogram::default(); m],
@@ -94,6 +98,12 @@ impl<'a> RunRecord<'a> {
             current: None,
             worst: None,
         }
+    }
+
+    /// Nothing yet, for a run of `problem` over what is held out and the rows before it.
+    #[must_use]
+    pub fn of_held_out(problem: &'a Problem, held_out: &'a HeldOut) -> Self {
+        Self { held_out: Some(held_out), ..Self::new(problem, &held_out.log) }
     }
 
     /// The next row of trajectory number `trajectory`; rows come in order, trajectory by trajectory.
@@ -106,10 +116,12 @@ impl<'a> RunRecord<'a> {
             self.current = Some(Track::new(trajectory, self.log, &self.problem.model.states));
         }
         let band = step.update.as_ref().and_then(|update| self.bands.get(update.present.len())).copied();
-        if let Some(update) = &step.update {
+        let counts = self.held_out.is_none_or(|held_out| step.row >= held_out.from[trajectory]);
+        if let (Some(update), true) = (&step.update, counts) {
             self.judge(update, band);
         }
         if let Some(track) = &mut self.current {
+            track.count(step.update.as_ref().filter(|_| counts));
             track.add(self.log, step, band);
         }
     }
@@ -152,6 +164,20 @@ impl<'a> RunRecord<'a> {
     pub(super) const fn track(&self) -> Option<&Track> {
         self.worst.as_ref()
     }
+
+    /// What is held out of the rows shown, if held-out rows are shown.
+    pub(super) fn held_out_by(&self) -> Option<SplitBy> {
+        self.held_out.map(|held_out| held_out.by)
+    }
+
+    /// Time between the last training row and the first held-out row of the trajectory drawn, where both are shown.
+    pub(super) fn boundary(&self) -> Option<f64> {
+        let (held_out, track) = (self.held_out?, self.track()?);
+        let times = &self.log.trajectories[track.trajectory].time;
+        let first = held_out.from[track.trajectory];
+        let before = times.get(first.checked_sub(1)?)?;
+        Some(before.midpoint(*times.get(first)?))
+    }
 }
 
 impl Track {
@@ -187,6 +213,11 @@ impl Track {
         if self.components == 0 { f64::NEG_INFINITY } else { self.nis_sum / self.components as f64 }
     }
 
+    fn count(&mut self, update: Option<&Update>) {
+        self.nis_sum += update.map_or(0.0, |update| update.nis);
+        self.components += update.map_or(0, |update| update.present.len());
+    }
+
     fn add(&mut self, log: &Log, step: &Step, band: Option<[f64; 2]>) {
         let (time, trajectory) = (step.time, &log.trajectories[self.trajectory]);
         for (i, series) in self.states.iter_mut().enumerate() {
@@ -204,8 +235,6 @@ impl Track {
             series.measured.push(time, *z);
         }
         let Some(update) = &step.update else { return };
-        self.nis_sum += update.nis;
-        self.components += update.present.len();
         self.nis.push(time, update.nis);
         self.nis_band.push_band(time, band.unwrap_or([f64::NAN; 2]));
         for (at, &i) in update.present.iter().enumerate().filter(|(_, i)| **i < MOST) {
@@ -229,14 +258,4 @@ fn measurement_of(model: &Model, state: usize) -> Option<usize> {
 fn nis_band(components: usize) -> [f64; 2] {
     let chi2 = ChiSquared::new(components as f64);
     [0.025, 0.975].map(|share| chi2.as_ref().map_or(f64::NAN, |chi2| chi2.inverse_cdf(share)))
-}
-
-/// L^-1 nu with S = L L'; empty when S has no factor, which a finished run rules out.
-fn normalised(update: &Update) -> Vec<f64> {
-    if let ([nu], [s]) = (update.nu.as_slice(), update.s.as_slice()) {
-        return vec![nu / s.sqrt()];
-    }
-    let factor = Cholesky::new(update.s.clone());
-    let white = factor.and_then(|c| c.l_dirty().solve_lower_triangular(&update.nu));
-    white.map_or_else(Vec::new, |v| v.as_slice().to_vec())
 }

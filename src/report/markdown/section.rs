@@ -1,9 +1,11 @@
 //! The sections of report.md below the verdict.
 
 use super::{Picture, plain, table};
+use crate::report::constraint::cells;
+use crate::report::front::{held_out_cells, objective_columns};
 use crate::report::text::ended;
 use crate::report::validation::improvement_text;
-use crate::report::{Effort, Gain, Named, Rows, Tuning, count, seconds, short, significant};
+use crate::report::{ConstraintCheck, Effort, Gain, Named, Rows, Tuning, count, seconds, short, significant};
 
 /// Digits of parameters and objectives.
 const DIGITS: usize = 8;
@@ -94,43 +96,49 @@ pub(super) fn objectives(tuning: &Tuning) -> Option<String> {
 }
 
 pub(super) fn constraints(tuning: &Tuning) -> Option<String> {
-    let row = |c: &crate::report::ConstraintCheck| {
-        vec![
-            format!("`{} {} {}`", c.measure, c.relation, c.limit).replace('|', "\\|"),
-            c.baseline.map_or_else(|| "failed".to_owned(), |v| significant(v, DIGITS)),
-            significant(c.value, DIGITS),
-            if c.met { "met" } else { "**not met**" }.to_owned(),
-        ]
+    let row = |c: &ConstraintCheck, rows: &str| {
+        let [baseline, tuned] = cells(c);
+        let note = if c.value.is_some() && !c.met { "**not met**" } else { c.note() };
+        vec![format!("`{c}`"), rows.to_owned(), baseline, tuned, note.to_owned()]
     };
-    let rows: Vec<Vec<String>> = tuning.constraints.iter().map(row).collect();
-    let table = table(&["constraint", "start", "tuned", "note"], &rows);
+    let training = if tuning.validation.is_some() { "training" } else { "all" };
+    let held_out = |i: usize| tuning.validation.as_ref()?.constraints.get(i).map(|c| row(c, "held out"));
+    let of = |(i, c): (usize, &ConstraintCheck)| [Some(row(c, training)), held_out(i)].into_iter().flatten();
+    let rows: Vec<Vec<String>> = tuning.constraints.iter().enumerate().flat_map(of).collect();
+    let table = table(&["constraint", "rows", "start", "tuned", "note"], &rows);
     (!rows.is_empty()).then(|| format!("## Constraints\n\n{table}"))
 }
 
 pub(super) fn front(tuning: &Tuning) -> Option<String> {
     let (points, summary) = (tuning.front.as_ref()?, tuning.front_summary.as_ref()?);
     let first = points.first()?;
-    let names = |named: &Named<f64>| named.iter().map(|(name, _)| plain(name)).collect::<Vec<_>>();
-    let mut header = names(&first.objectives);
-    header.extend(names(&first.parameters));
+    let validated = tuning.validation.is_some();
+    let mut header = objective_columns(first, validated);
+    header.extend(first.parameters.iter().map(|(name, _)| name.to_owned()));
+    header.iter_mut().for_each(|name| *name = plain(name));
     header.push("mark".to_owned());
     let shown = |i: &usize| points.len() <= MEMBERS || !points[*i].marks.is_empty();
     let row = |i: usize| {
-        let values = points[i].objectives.iter().chain(points[i].parameters.iter());
-        values.map(|(_, value)| short(*value, 6)).chain([points[i].marks.join(", ")]).collect()
+        let values = |named: &Named<f64>| named.iter().map(|(_, value)| short(*value, 6)).collect::<Vec<_>>();
+        let held_out = held_out_cells(&points[i], validated, 6).collect();
+        let marks = vec![plain(&points[i].marks.join(", "))];
+        [values(&points[i].objectives), held_out, values(&points[i].parameters), marks].concat()
     };
     let rows: Vec<Vec<String>> = (0..points.len()).filter(shown).map(row).collect();
     let recommended = points.iter().find(|p| p.marks.first().is_some_and(|mark| mark == "recommended"));
-    let line =
-        recommended.map_or_else(String::new, |point| format!("\n\nRecommended: {}.", summary.given_up_line(point)));
+    let line = recommended
+        .map_or_else(String::new, |point| format!("\n\nRecommended: {}.", plain(&summary.given_up_line(point))));
+    let baseline = summary.baseline_line(points.len());
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
-    let listed =
-        if rows.len() < points.len() { ", of which those with a mark are listed; front.csv has all" } else { "" };
-    Some(format!(
-        "## Front\n\nNo candidate is best under every objective. These {} are those that no other beats in all of them{listed}.\n\n{}{line}",
-        points.len(),
-        table(&header, &rows)
-    ))
+    let listed = if rows.len() < points.len() { ". Those with a mark are listed; front.csv has all" } else { "" };
+    let meaning = match points.len() {
+        1 => "One candidate is the best under every objective at once".to_owned(),
+        members => format!(
+            "No candidate is best under every objective. For each of these {members}, no other is as good in every \
+             objective and better in one"
+        ),
+    };
+    Some(format!("## Front\n\n{meaning}{listed}.\n\n{}{line} {baseline}", table(&header, &rows)))
 }
 
 pub(super) fn consistency(tuning: &Tuning) -> Option<String> {
@@ -159,7 +167,8 @@ pub(super) fn consistency(tuning: &Tuning) -> Option<String> {
     }
     for w in c.whiteness.iter().filter(|w| w.is_tested()) {
         let name = format!("autocorrelation of {}, lag 1", plain(&w.measurement));
-        let found = format!("Ljung-Box p = {}", significant(w.p_value, 2));
+        let p_value = if w.p_value < 1e-4 { "< 1e-4".to_owned() } else { format!("= {}", significant(w.p_value, 2)) };
+        let found = format!("Ljung-Box p {}", plain(&p_value));
         rows.push(vec![name, short(w.lag_1(), 3), range(-w.band, w.band), found]);
     }
     let findings: Vec<String> =

@@ -2,7 +2,8 @@
 
 use super::plain;
 use crate::report::validation::improvement_text;
-use crate::report::{Rows, Tuning, Verdict, short, significant};
+use crate::report::warnings::missed_on_held_out;
+use crate::report::{ConstraintCheck, Named, Rows, Tuning, Validation, Verdict, short, significant};
 
 /// What was done, what came of it, and whether to use it.
 pub(super) fn of(tuning: &Tuning) -> Option<String> {
@@ -18,44 +19,71 @@ pub(super) fn of(tuning: &Tuning) -> Option<String> {
 
 /// One sentence on what to do, the gravest reason first.
 fn recommendation(tuning: &Tuning) -> String {
-    let trusted = tuning.certificate.order_held;
     let validated = tuning.validation.as_ref();
-    let improved = improved(tuning);
     if validated.is_some_and(|v| v.winner.is_none()) {
         "Do not use the tuned parameters: the filter fails on data that it was not tuned on.".to_owned()
     } else if !tuning.feasible {
         "Do not use the tuned parameters as they are: no candidate meets every constraint.".to_owned()
     } else if validated.is_some_and(|v| v.worse) {
         "Keep your own parameters: the tuned ones are worse than yours on held-out data.".to_owned()
-    } else if !improved {
+    } else if missed_on_held_out(tuning).is_some() {
+        "Check before use: on held-out data the tuned filter misses a constraint that it meets on the rows tuned on."
+            .to_owned()
+    } else if let Some(standing) = standing(tuning) {
+        with_gain(tuning, &standing)
+    } else {
         "Keep your own parameters: the search found none that are better.".to_owned()
-    } else if !trusted {
+    }
+}
+
+/// Of a winner that gains on the baseline, and how: what the certificate, the consistency and the held-out rows add.
+fn with_gain(tuning: &Tuning, standing: &str) -> String {
+    if !tuning.certificate.order_held {
         "Check before use: double and single precision rank the best candidates differently.".to_owned()
     } else if !tuning.consistency.is_consistent() {
         let headline = tuning.consistency.verdict;
-        format!("The tuned parameters are better than yours, but the filter is not yet right: {headline}.")
-    } else if validated.is_some() {
+        format!("The tuned parameters {standing}, but the filter is not yet right: {headline}.")
+    } else if tuning.validation.as_ref().is_some_and(Validation::is_trade) {
+        format!(
+            "The tuned parameters {standing}, held-out data show a trade too, and the filter is consistent there: use them if \
+             the trade is what you want."
+        )
+    } else if tuning.validation.is_some() {
         "Use the tuned parameters: they are no worse than yours on data they were not tuned on, and the filter is \
          consistent there."
             .to_owned()
     } else {
-        "The tuned parameters are better than yours and the filter is consistent; both were judged on the rows that were \
-         tuned on (hold some out with `--validate` to be sure)."
-            .to_owned()
+        format!(
+            "The tuned parameters {standing} and the filter is consistent; both were judged on the rows that were tuned on \
+             (hold some out with `--validate` to be sure)."
+        )
     }
 }
 
-/// Whether the winner is below the baseline under some objective.
-fn improved(tuning: &Tuning) -> bool {
-    let Some(baseline) = &tuning.effort.baseline.objectives else { return true };
-    tuning.objectives.iter().any(|(name, tuned)| baseline.get(name).is_none_or(|yours| tuned < yours))
+/// In what the winner gains on the baseline, as a predicate of "the tuned parameters"; `None` where it is in nothing.
+fn standing(tuning: &Tuning) -> Option<String> {
+    let Some(baseline) = &tuning.effort.baseline.objectives else { return Some("run, where yours fail".to_owned()) };
+    if !tuning.constraints.iter().all(ConstraintCheck::met_by_baseline) {
+        return Some("meet every constraint, which yours do not".to_owned());
+    }
+    let where_less = |a: &Named<f64>, b: &Named<f64>| {
+        let less = a.iter().filter(|(name, value)| b.get(name).is_none_or(|other| *value < other));
+        less.map(|(name, _)| format!("`{name}`")).collect::<Vec<_>>().join(" and ")
+    };
+    let (better, worse) = (where_less(&tuning.objectives, baseline), where_less(baseline, &tuning.objectives));
+    match (better.as_str(), worse.as_str()) {
+        ("", _) => None,
+        (_, "") => Some("are better than yours".to_owned()),
+        _ => Some(format!("are better than yours under {better} and worse under {worse}")),
+    }
 }
 
 fn what_was_done(tuning: &Tuning) -> String {
     let effort = &tuning.effort;
     let names: Vec<String> = tuning.objectives.iter().map(|(name, _)| format!("`{name}`")).collect();
     let count = tuning.parameters.iter().len();
-    let parameters = if count == 1 { "one parameter".to_owned() } else { format!("{count} parameters") };
+    let (parameters, were) =
+        if count == 1 { ("one parameter".to_owned(), "was") } else { (format!("{count} parameters"), "were") };
     let rows = match &tuning.validation {
         None => "every row of it".to_owned(),
         Some(v) if v.fresh => format!("{} realisations of it", v.train.trajectories),
@@ -63,7 +91,7 @@ fn what_was_done(tuning: &Tuning) -> String {
     };
     format!(
         "A Kalman filter estimates states from noisy measurements, and is only as good as the noise it assumes. Here {parameters} \
-         of the filter in `{}` were searched on the log `{}`, {rows}, so that {} {} as small as possible. \"Start\" stands \
+         of the filter in `{}` {were} searched on the log `{}`, {rows}, so that {} {} as small as possible. \"Start\" stands \
          for the values that the problem file gives, \"tuned\" for the best found.",
         effort.problem,
         effort.log.source,

@@ -3,7 +3,6 @@
 //! The receiver of an aerial refuelling tracks a tanker whose moves it knows and whose position it measures. J is the
 //! distance between estimate and truth summed over the track, and R = M M' is searched.
 
-#[cfg(feature = "figures")]
 mod figures;
 mod findings;
 mod optimum;
@@ -111,7 +110,7 @@ struct DataSet {
     boxed: Vec<(Run, Run)>,
     /// Least J of independent local searches.
     optimum: f64,
-    /// Mean J over fresh realisations.
+    /// J over fresh realisations.
     held_out: HeldOut,
 }
 
@@ -150,7 +149,6 @@ fn run(options: &Options, progress: &dyn Progress) -> Result<Reproduction, Repro
     let bench = Bench::new()?;
     let results = Results::compute(&bench, plan, options.seed, progress)?;
     let mut report = results.report();
-    #[cfg(feature = "figures")]
     if let Some(shown) = results.shown(&bench)? {
         report.figures = shown.figures()?;
         report.data.push(shown.table());

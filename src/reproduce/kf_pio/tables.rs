@@ -76,8 +76,11 @@ impl Results {
 
     fn sweep_table(&self) -> Table {
         let columns = ["r", "PIO/PSO median", "10 %", "90 %", "iterations"];
-        let mut table =
-            Table::new("sweep", "PIO/PSO by the map and compass factor r (paper: 1.176 at r = 0.2)", &columns);
+        let mut table = Table::new(
+            "sweep",
+            "Sweep of r: PIO/PSO by the map and compass factor r; the paper's one pair gives 1.176 at r = 0.2",
+            &columns,
+        );
         let mut push = |r: f64, runs: &[&Run]| {
             let ratios: Vec<f64> = runs.iter().zip(&self.data_sets).map(|(run, set)| run.j / set.pso.j).collect();
             let iterations: Vec<f64> = runs.iter().map(|run| run.converged_at()).collect();
@@ -95,8 +98,11 @@ impl Results {
     /// Clamped against unclamped searches.
     fn box_table(&self) -> Table {
         let columns = ["search of M", "PIO/KF", "PSO/KF", "PIO/PSO median", "10 %", "90 %", "PSO/optimum median"];
-        let title =
-            "Unclamped against clamped searches, r = 0.2; optimum: 20 independent local searches without limits";
+        let title = format!(
+            "Unclamped and clamped: searches with r = 0.2; the optimum is the best of {} independent local searches \
+             without limits",
+            self.plan.local_searches
+        );
         let mut table = Table::new("boxes", title, &columns);
         let mut push = |label: String, pio: &dyn Fn(&DataSet) -> f64, pso: &dyn Fn(&DataSet) -> f64| {
             let ratios = self.ratios(pio, pso);

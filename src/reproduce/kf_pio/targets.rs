@@ -10,8 +10,8 @@ const UNTUNED_SPREAD: f64 = 6.04;
 /// What the median PIO/PSO must be at r = 0.2, 0.1, 0.05 and below: in the full study, and in a smaller one.
 ///
 /// The latter are the 99 % intervals of a median over ten data sets, by resampling the 180 of seeds 1 to 6, where these
-/// are wider. (Over thirty data sets the standard error is 0.037 at r = 0.2, 0.017 at 0.1 and 0.004 at 0.05; so of seeds
-/// taken at random about one in fifteen would miss the upper limit at 0.1.)
+/// are wider. (Over thirty data sets the standard error is 0.037 at r = 0.2, 0.017 at 0.1 and 0.004 at 0.05; so of
+/// seeds taken at random about one in fifteen would miss the upper limit at 0.1.)
 const MEDIANS: [(f64, Required, Required); 4] = [
     (0.2, Required::Within(1.08, 1.35), Required::Within(1.08, 1.46)),
     (0.1, Required::Within(1.02, 1.10), Required::Within(1.02, 1.18)),

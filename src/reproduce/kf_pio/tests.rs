@@ -51,7 +51,6 @@ fn results_do_not_depend_on_the_number_of_threads() {
     assert_eq!(on(1), on(2));
 }
 
-#[cfg(feature = "figures")]
 #[test]
 fn figures_show_the_three_filters_and_the_convergence() {
     let plan = Plan { data_sets: 1, untuned: 1, matrices: 1, ..TINY };

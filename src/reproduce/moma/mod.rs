@@ -6,7 +6,6 @@
 
 mod brute_force;
 mod ends;
-#[cfg(feature = "figures")]
 mod figures;
 mod findings;
 mod paths;
@@ -77,9 +76,9 @@ impl Plan {
     fn reduced(&self) -> Option<String> {
         (self.data_sets < Self::FULL.data_sets).then(|| {
             format!(
-                "{} data sets in place of {}, {} random fronts in place of {}; limits on means are wider by twice what \
-                 the smaller sample adds to their standard error, counts ask for all but one, and what six data sets \
-                 cannot show is printed, not gated.",
+                "{} data sets in place of {}, {} random fronts in place of {}; limits on means are wider by twice \
+                 what the smaller sample adds to their standard error, counts ask for all but one, and what six data \
+                 sets cannot show is printed, not gated.",
                 self.data_sets,
                 Self::FULL.data_sets,
                 self.fronts,
@@ -141,7 +140,6 @@ fn run(options: &Options, progress: &dyn Progress) -> Result<Reproduction, Repro
     let plan = if options.quick { Plan::QUICK } else { Plan::FULL };
     let results = Results::compute(&bench, plan, options.seed, progress)?;
     let mut report = results.report();
-    #[cfg(feature = "figures")]
     if let Some(shown) = results.shown(&bench)? {
         report.figures = shown.figures()?;
         report.data.extend(shown.tables());
@@ -167,9 +165,9 @@ impl Results {
         Reproduction {
             name: STUDY.name,
             summary: format!(
-                "R of a three-state Kalman filter of a rocket tuned by NSGA-II and MOMA over (f1, f2), {} evaluations a \
-                 run, on {} data sets of {} runs each; the paper has one data set. RMSE is measured against the truth, \
-                 which no search sees.",
+                "R of a three-state Kalman filter of a rocket tuned by NSGA-II and MOMA over (f1, f2), {} \
+                 evaluations a run, on {} data sets of {} runs each; the paper has one data set. RMSE is measured \
+                 against the truth, which no search sees.",
                 search::BUDGET,
                 self.plan.data_sets,
                 self.plan.runs

@@ -27,7 +27,8 @@ impl Results {
         let columns =
             ["method", "operators", "paper mean", "mean RMSE", "10 %", "90 %", "paper variance", "median variance"];
         let title = format!(
-            "Table 1: RMSE of {} runs a data set; mean, 10 % and 90 % of the data sets' means, median of their variances",
+            "Table 1: RMSE of {} runs a data set; mean, 10 % and 90 % of the data sets' means, median of their \
+             variances",
             self.plan.runs
         );
         let mut table = Table::new("summary", title, &columns);
@@ -103,8 +104,8 @@ impl Results {
     }
 
     fn convergence_table(&self) -> Table {
-        let title = "\"Converges faster\" (Fig. 3): first k from which the error of all three states stays < 10, and the \
-                     median error at k = 5, 10, 20";
+        let title = "\"Converges faster\" (Fig. 3): first k from which the error of all three states stays < 10, and \
+         the median error at k = 5, 10, 20";
         let columns = ["R", "first k, median", "10 %", "90 %", "error at 5", "at 10", "at 20"];
         let mut table = Table::new("convergence", title, &columns);
         for (which, label) in ["least f1", "43"].into_iter().enumerate() {

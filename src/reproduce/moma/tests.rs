@@ -48,7 +48,6 @@ fn results_do_not_depend_on_the_number_of_threads() {
     assert_eq!(on(1), on(2));
 }
 
-#[cfg(feature = "figures")]
 #[test]
 fn figures_show_the_front_and_the_three_states() {
     let results = compute(Plan { data_sets: 1, runs: 3, fronts: 1, ..TINY }, 1);

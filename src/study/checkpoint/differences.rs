@@ -5,15 +5,27 @@ use toml::{Table, Value};
 /// So many are named.
 const NAMED: usize = 3;
 
-/// The keys by which a saved problem and the one at hand differ, with both values, as part of a sentence; empty where
-/// none is found. Keys that no search depends on are left out.
-pub(super) fn between(saved: &str, here: &str) -> String {
+/// Keys that no search depends on.
+const OUTSIDE: [&str; 3] = ["tune.stop", "tune.polish", "tune.pick"];
+/// Tables that only decide what the log is.
+const LOG: [&str; 2] = ["data", "simulate"];
+
+/// The keys by which the searches of a saved problem and of the one at hand differ, with both values, as part of a
+/// sentence; empty where none is found.
+pub(super) fn of_searches(saved: &str, here: &str) -> String {
+    said(saved, here, |path| ![&OUTSIDE[..], &LOG].concat().iter().any(|key| path.starts_with(key)))
+}
+
+/// The same for the keys that decide which rows are searched on, such as `data.validate`.
+pub(super) fn of_logs(saved: &str, here: &str) -> String {
+    said(saved, here, |path| LOG.iter().any(|key| path.starts_with(key)))
+}
+
+fn said(saved: &str, here: &str, counts: impl Fn(&str) -> bool) -> String {
     let (Ok(saved), Ok(here)) = (saved.parse::<Table>(), here.parse::<Table>()) else { return String::new() };
     let mut found = Vec::new();
     compare("", &saved, &here, &mut found);
-    found.retain(|(path, _)| {
-        !["tune.stop", "tune.polish", "tune.pick", "data", "simulate"].iter().any(|p| path.starts_with(p))
-    });
+    found.retain(|(path, _)| counts(path));
     let more = found.len().saturating_sub(NAMED);
     let mut named: Vec<String> = found.into_iter().take(NAMED).map(|(_, said)| said).collect();
     if more > 0 {
@@ -56,10 +68,12 @@ mod tests {
             "[model]\nf = [\"2*x\"]\n[tune]\nseed = 8\nstop = { stall = 9 }\npolish = true\n[parameters]\nr = 1\n";
         let expected = "model.f is [\"x\"] there and [\"2*x\"] here, tune.population is 9 there and absent here, tune.seed \
                         is 7 there and 8 here";
-        assert_eq!(between(saved, here), expected);
-        assert_eq!(between(saved, &here.replace("r = 1", "r = 2")).matches(" is ").count(), NAMED);
-        assert!(between(saved, &here.replace("r = 1", "r = 2")).ends_with(", and 1 more"));
-        assert_eq!(between(saved, saved), "");
-        assert_eq!(between("no = [toml", here), "");
+        assert_eq!(of_searches(saved, here), expected);
+        assert_eq!(of_searches(saved, &here.replace("r = 1", "r = 2")).matches(" is ").count(), NAMED);
+        assert!(of_searches(saved, &here.replace("r = 1", "r = 2")).ends_with(", and 1 more"));
+        assert_eq!(of_searches(saved, saved), "");
+        assert_eq!(of_searches("data.a = 1", "data.a = 2"), "");
+        assert_eq!(of_logs("data.a = 1", "data.a = 2"), "data.a is 1 there and 2 here");
+        assert_eq!(of_searches("no = [toml", here), "");
     }
 }

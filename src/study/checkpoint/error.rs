@@ -58,11 +58,17 @@ pub enum CheckpointError {
     /// The log is another one.
     #[error(
         "the log is not the one it was written with{}: resume with that log, or start anew without --resume",
-        saved.as_ref().map(|name| format!(" ({name:?}, as it was then)")).unwrap_or_default()
+        match (differences.as_str(), saved) {
+            ("", None) => String::new(),
+            ("", Some(name)) => format!(" ({name:?}, as it was then)"),
+            (differences, _) => format!(" ({differences})"),
+        }
     )]
     AnotherLog {
         /// Name of the checkpoint's log.
         saved: Option<String>,
+        /// Keys that decide which rows are searched on and differ, as part of a sentence.
+        differences: String,
     },
     /// It cannot be read.
     #[error("it cannot be read: {reason} (name the checkpoint.kfgpu of a run, or its folder)")]

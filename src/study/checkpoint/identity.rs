@@ -10,9 +10,9 @@ use crate::model::{Problem, TuneSpec};
 
 /// SHA-256 of whatever of a problem and a log the bits of a search depend on.
 ///
-/// Of the problem that is model, parameters, filter, algorithm, objectives, constraints, population, generations (they shape the
-/// phases of some algorithms), seed, and whether the start joins; not the limits that stop a search early, nor pick, polish,
-/// device or threads. Of the log it is every number that a filter sees.
+/// Of the problem that is model, parameters, filter, algorithm, objectives, constraints, population, generations (they
+/// shape the phases of some algorithms), seed, and whether the start joins; not the limits that stop a search early, nor
+/// pick, polish, device or threads. Of the log it is every number that a filter sees.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Identity {
     /// Of the problem.
@@ -47,7 +47,8 @@ fn of_problem(problem: &Problem) -> [u8; 32] {
     let mut sum = Sum(Sha256::new());
     let search = (algorithm, objectives, constraints, population, generations, seed, include_start);
     // Hashing cannot fail.
-    let _ = write!(sum, "{:?} {parameters:?} {filter:?} {search:?}", model.without_spans());
+    let (model, filter) = (model.without_spans(), filter.without_spans());
+    let _ = write!(sum, "{model:?} {parameters:?} {filter:?} {search:?}");
     sum.0.finalize().into()
 }
 

@@ -113,11 +113,12 @@ impl Checkpoint {
     pub fn check(&self, problem: &Problem, log: &Log) -> Result<(), CheckpointError> {
         let identity = Identity::of(problem, log);
         if self.identity.problem != identity.problem {
-            let differences = differences::between(&self.source.text, &problem.text);
+            let differences = differences::of_searches(&self.source.text, &problem.text);
             return Err(CheckpointError::AnotherProblem { differences });
         }
         if self.identity.log != identity.log {
-            return Err(CheckpointError::AnotherLog { saved: self.source.log.clone() });
+            let differences = differences::of_logs(&self.source.text, &problem.text);
+            return Err(CheckpointError::AnotherLog { saved: self.source.log.clone(), differences });
         }
         Ok(())
     }

@@ -148,12 +148,29 @@ fn identity_is_what_the_bits_of_a_search_depend_on() {
         assert!(error.starts_with("it is of another problem than this ("), "{new}: {error}");
     }
     let error = check(&TEXT.replace("steps = 20", "steps = 21")).expect_err("another log");
-    assert!(error.starts_with("the log is not the one it was written with: resume with that log"), "{error}");
+    let said =
+        "the log is not the one it was written with (simulate.steps is 20 there and 21 here): resume with that log";
+    assert!(error.starts_with(said), "{error}");
     let (problem, mut log) = problem(TEXT);
     log.source = "elsewhere.csv".to_owned();
     assert_eq!(checkpoint.check(&problem, &log), Ok(()), "the same numbers under another name");
     log.trajectories[0].time[3] += 1e-9;
-    assert!(checkpoint.check(&problem, &log).is_err(), "a nanosecond");
+    let error = checkpoint.check(&problem, &log).expect_err("a nanosecond").to_string();
+    assert!(error.starts_with("the log is not the one it was written with: resume with that log"), "{error}");
+}
+
+/// A flag that is written into `[tune]` moves every formula behind it.
+#[test]
+fn formulas_of_an_adaptive_filter_may_stand_elsewhere() {
+    let adaptive = |tune: &str, forgetting: &str| {
+        let (before, after) = TEXT.split_once("[simulate]").expect("a table");
+        let filter = format!("[filter]\nkind = \"sage-husa\"\nforgetting = \"{forgetting}\"\n[simulate]");
+        let (problem, log) = problem(&format!("{}{filter}{after}", before.replace("seed = 7", tune)));
+        Identity::of(&problem, &log)
+    };
+    let written = adaptive("seed = 7", "1 - 0.1*r");
+    assert_eq!(adaptive("seed = 7\nstop = { stall = 8 }", "1 - 0.1*r"), written);
+    assert_ne!(adaptive("seed = 7", "1 - 0.2*r"), written, "another filter");
 }
 
 #[test]

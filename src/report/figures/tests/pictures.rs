@@ -16,8 +16,12 @@ fn example(name: &str) -> Problem {
 
 /// Every picture of a run, with the names that are on it.
 fn of_run(problem: &Problem, log: &Log) -> Vec<(&'static str, Vec<String>)> {
+    of_record(RunRecord::new(problem, log), problem, log)
+}
+
+fn of_record(mut record: RunRecord<'_>, problem: &Problem, log: &Log) -> Vec<(&'static str, Vec<String>)> {
     let candidate = problem.parameters.baseline();
-    let (mut record, mut evidence) = (RunRecord::new(problem, log), Evidence::new(problem, log));
+    let mut evidence = Evidence::new(problem, log);
     reference::visit(problem, log, &candidate, &mut |trajectory, step| {
         record.add(trajectory, step);
         evidence.add(trajectory, step);
@@ -33,7 +37,7 @@ fn of_run(problem: &Problem, log: &Log) -> Vec<(&'static str, Vec<String>)> {
         ("errors", record.errors()),
         ("innovations", Some(record.innovations())),
         ("nis", Some(record.nis())),
-        ("autocorrelation", Some(autocorrelation(problem, &whiteness))),
+        ("autocorrelation", Some(record.autocorrelation(&whiteness))),
         ("histogram", Some(record.histogram())),
     ];
     figures.into_iter().filter_map(|(name, figure)| Some((name, texts(&figure?.to_svg().unwrap())))).collect()
@@ -68,13 +72,29 @@ fn pictures_of_a_run_name_what_they_show() {
     let log = simulate(&problem, None).unwrap();
     let found = of_run(&problem, &log);
     let legend = ["3-sigma band", "measured", "truth", "smoothed", "estimate"];
-    expect(&found, "estimates", &[&["rocket: measurements and estimates", "k", "d", "v", "a"][..], &legend].concat());
+    expect(&found, "estimates", &[&["rocket: estimates", "k", "d", "v", "a"][..], &legend].concat());
     expect(&found, "errors", &["rocket: estimation errors", "error of v", "estimate minus truth"]);
     expect(&found, "innovations", &["innovation of range", "± 2 sqrt(S)", "k"]);
     expect(&found, "nis", &["NIS", "95 % band"]);
     expect(&found, "autocorrelation", &["lag [measured rows]", "autocorrelation", "95 % band"]);
     let title = "range: 200 values, 2 beyond ±8 in the outer bars";
     expect(&found, "histogram", &["normalised innovation", "density", "N(0, 1)", title]);
+}
+
+#[test]
+fn pictures_say_where_held_out_rows_begin() {
+    let problem = example("rocket.toml");
+    let log = simulate(&problem, None).unwrap();
+    let by = crate::model::SplitBy::Time;
+    let held_out = crate::data::HeldOut { from: vec![141], share: 0.3, by, log };
+    let found = of_record(RunRecord::of_held_out(&problem, &held_out), &problem, &held_out.log);
+    for picture in ["estimates", "errors", "innovations", "nis"] {
+        expect(&found, picture, &["held-out rows begin"]);
+    }
+    expect(&found, "histogram", &["rocket: normalised innovations of the held-out rows", "range: 60 values"]);
+    let (_, nis) = found.iter().find(|(name, _)| *name == "nis").unwrap();
+    assert!(nis.iter().any(|text| text.ends_with("% of 60 held-out rows in the band")), "{nis:?}");
+    assert!(of_run(&problem, &held_out.log).iter().all(|(_, texts)| !texts.iter().any(|t| t.contains("held-out"))));
 }
 
 #[test]

@@ -110,7 +110,8 @@ impl std::fmt::Display for Report {
         let mut table = TextTable::new(["target", "measured", "required", "result"]);
         for Target { name, required, measured, pass } in &self.targets {
             let result = if *pass { "pass" } else { "FAIL" };
-            table.push([name.clone(), short(*measured, 4), required.clone(), result.to_owned()]);
+            let measured = if measured.is_nan() { "-".to_owned() } else { short(*measured, 4) };
+            table.push([name.clone(), measured, required.clone(), result.to_owned()]);
         }
         writeln!(f, "{table}\n{}", self.consistency)?;
         writeln!(f, "check {}", if self.pass { "passed" } else { "failed" })

@@ -106,6 +106,11 @@ fn found_again(source: &Source) -> Option<&str> {
 /// The file to write while this problem is searched on this log.
 pub(super) fn file(path: &Path, problem: &Problem, log: &Log, origin: &Origin) -> anyhow::Result<CheckpointFile> {
     files::prepare_file(path)?;
+    anyhow::ensure!(
+        !files::is_stream(path),
+        "cannot keep a checkpoint in {}: it is no file (name one that can be read again)",
+        path.display()
+    );
     let log_file = if let Origin::File(file) = origin { Some(file) } else { None };
     let source = Source {
         problem: problem.source.clone(),

@@ -1,6 +1,6 @@
 //! Output files, written whole or not at all: under a temporary name in the same folder, then renamed.
 
-use std::fs::{self, File};
+use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -124,19 +124,36 @@ pub(super) fn print_json(value: &impl serde::Serialize) -> anyhow::Result<()> {
     print(&serde_json::to_string(value)?)
 }
 
-/// Writes `path` whole or leaves it as it was.
+/// Writes `path` whole or leaves it as it was. A device or a pipe, such as `/dev/null`, is written to: a file renamed
+/// over it would take its place.
 pub(super) fn write_whole(path: &Path, fill: impl FnOnce(&mut dyn Write) -> anyhow::Result<()>) -> anyhow::Result<()> {
+    let written = if is_stream(path) { fill_stream(path, fill) } else { replace(path, fill) };
+    written.map_err(|error| {
+        // What went wrong while the content was computed speaks for itself.
+        let writing = error.is::<io::Error>() || error.is::<csv::Error>();
+        if writing { error.context(format!("cannot write {}", path.display())) } else { error }
+    })
+}
+
+fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> anyhow::Result<()>) -> anyhow::Result<()> {
     let temporary = temporary_name(path);
     let written = fill_file(&temporary, fill).and_then(|()| Ok(fs::rename(&temporary, path)?));
     if written.is_err() {
         // The first error is the one to report; a temporary file that never came to be cannot be removed either.
         let _ = fs::remove_file(&temporary);
     }
-    written.map_err(|error| {
-        // What went wrong while the content was computed speaks for itself.
-        let writing = error.is::<io::Error>() || error.is::<csv::Error>();
-        if writing { error.context(format!("cannot write {}", path.display())) } else { error }
-    })
+    written
+}
+
+/// Whether `path` is there and neither a file nor a folder.
+pub(super) fn is_stream(path: &Path) -> bool {
+    fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir())
+}
+
+fn fill_stream(path: &Path, fill: impl FnOnce(&mut dyn Write) -> anyhow::Result<()>) -> anyhow::Result<()> {
+    let mut out = BufWriter::new(OpenOptions::new().write(true).open(path)?);
+    fill(&mut out)?;
+    Ok(out.flush()?)
 }
 
 fn fill_file(path: &Path, fill: impl FnOnce(&mut dyn Write) -> anyhow::Result<()>) -> anyhow::Result<()> {
@@ -149,6 +166,9 @@ fn fill_file(path: &Path, fill: impl FnOnce(&mut dyn Write) -> anyhow::Result<()
 /// Whether a file can be written here; its folder is tried.
 pub(super) fn prepare_file(path: &Path) -> anyhow::Result<()> {
     anyhow::ensure!(!path.is_dir(), "cannot write {}: it is a folder (name a file in it)", path.display());
+    if is_stream(path) {
+        return Ok(());
+    }
     try_writing_in(folder_of(path))
 }
 
@@ -196,6 +216,23 @@ mod tests {
         assert!(error.to_string().starts_with("cannot make the output folder"), "{error}");
         let error = Destination::prepare(Some(&file.path().join("out.csv"))).unwrap_err();
         assert!(error.to_string().starts_with("cannot write in the folder"), "{error}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_is_written_to_and_not_replaced() {
+        use std::os::unix::fs::FileTypeExt as _;
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let reader = std::thread::spawn({
+            let pipe = pipe.clone();
+            move || fs::read_to_string(pipe).unwrap()
+        });
+        Destination::prepare(Some(&pipe)).unwrap().write(|out| Ok(out.write_all(b"rows")?)).unwrap();
+        assert_eq!(reader.join().unwrap(), "rows");
+        assert!(fs::metadata(&pipe).unwrap().file_type().is_fifo(), "it is still a pipe");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "no other file is left");
     }
 
     #[test]

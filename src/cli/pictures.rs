@@ -113,7 +113,7 @@ fn rows_shown(name: &str, tuning: &Tuning) -> &'static str {
 fn caption(name: &str) -> &'static str {
     match name {
         "front.svg" => "The front: what each member offers, with the start values, the knee and the ends marked.",
-        "parameters.svg" => "Parameters of the front's members, a line each.",
+        "parameters.svg" => "Parameters and objectives of the front's members, a line each.",
         "hypervolume.svg" => "The search: the volume that its front dominates.",
         "errors.svg" => "Errors of the estimates against the truth, with the 3-sigma band of the filter.",
         "convergence.svg" => "The search: the best cost so far and the spread of each generation.",
@@ -156,7 +156,7 @@ fn of_front(problem: &Problem, outcome: &Outcome) -> Pictures {
         recommended: landmarks.map(|l| l.recommended),
         baseline: outcome.baseline.objectives.as_deref(),
     };
-    let title = titled(problem, "parameters along the front");
+    let title = titled(problem, "parameters and objectives along the front");
     let parameters = FrontPicture { title: &title, ..front };
     let parameters = parameters.parallel(&problem.parameters, &candidates, &outcome.baseline.candidate);
     let volumes = outcome.history.iter().filter_map(|row| Some((row.generation, row.hypervolume?)));

@@ -133,31 +133,39 @@ fn write(folder: &OutFolder, result: &Reproduction) -> anyhow::Result<()> {
 
 /// A bar over data sets, or nothing where nobody watches.
 #[derive(Debug)]
-struct Bar(ProgressBar);
+struct Bar {
+    bar: ProgressBar,
+    shown: bool,
+}
 
 impl Bar {
     fn new(console: Console, study: &'static str) -> anyhow::Result<Self> {
-        let target = if console.shows_progress() { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
-        let bar = ProgressBar::with_draw_target(Some(0), target);
-        bar.set_style(ProgressStyle::with_template("{prefix} {bar:16} {pos}/{len} data sets, {eta} left")?);
+        let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::hidden());
+        let template = "{prefix} {bar:16} {pos}/{len} data sets, {elapsed} so far, {eta} left";
+        bar.set_style(ProgressStyle::with_template(template)?);
         bar.set_prefix(study);
-        Ok(Self(bar))
+        Ok(Self { bar, shown: console.shows_progress() })
     }
 }
 
 impl Progress for Bar {
     fn begin(&self, steps: usize) {
-        self.0.set_length(steps as u64);
+        self.bar.set_length(steps as u64);
+        // Not before: an empty bar of no length is drawn as a full one.
+        if self.shown {
+            self.bar.set_draw_target(ProgressDrawTarget::stderr());
+            self.bar.tick();
+        }
     }
 
     fn advance(&self) {
-        self.0.inc(1);
+        self.bar.inc(1);
     }
 }
 
 impl Drop for Bar {
     fn drop(&mut self) {
-        self.0.finish_and_clear();
+        self.bar.finish_and_clear();
     }
 }
 

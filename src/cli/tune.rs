@@ -153,12 +153,15 @@ impl Tune {
         let effort = Effort::of(&problem, facts, &outcome, device, warnings);
         let Some(winner) = &outcome.winner else { return self.report_nothing(effort, &outcome, folder.as_ref()) };
         let tuning = Tuning::of(effort, &problem, &split, (&outcome, winner))?;
-        if let Some(folder) = &folder {
+        let write = |folder: &OutFolder| {
             let logs = pictures::Logs { train: &split.train, held_out: held_out::judged(&split, &tuning) };
             let pictures = pictures::Study { logs, outcome: &outcome, winner, options: self.compute.cpu() };
-            results::write(folder, (&problem, &origin), &tuning, &pictures)?;
-        }
+            results::write(folder, (&problem, &origin), &tuning, &pictures)
+        };
+        // What was found is said even where the disk is full.
+        let written = folder.as_ref().map(write).transpose();
         self.show(&tuning, &tuning.effort.warnings[said..], console)?;
+        written?;
         let feasible = unmet(&tuning.constraints).map(|sentence| console::error(&anyhow!(sentence))).is_none();
         Ok(match outcome.stop {
             StopReason::Interrupted => Ending::Interrupted,

@@ -40,7 +40,8 @@ impl fmt::Display for Tuning {
 impl fmt::Display for Effort {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { log, device, .. } = self;
-        write!(f, "{}: {}, {} rows", self.problem, log.source, count(log.rows as u64))?;
+        let rows = if log.rows == 1 { "row" } else { "rows" };
+        write!(f, "{}: {}, {} {rows}", self.problem, log.source, count(log.rows as u64))?;
         if log.trajectories > 1 {
             write!(f, " in {} trajectories", log.trajectories)?;
         }

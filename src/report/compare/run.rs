@@ -98,7 +98,9 @@ pub struct RunConsistency {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum RunError {
     /// No JSON, or not the JSON of a result.
-    #[error("{path}:{line}:{column}: is not a result of `kfgpu tune`: {message} (run the study again)")]
+    #[error(
+        "{path}:{line}:{column}: is not a result of `kfgpu tune`: {message} (name a folder that `tune --out` wrote, or run the study again)"
+    )]
     Broken {
         /// The file.
         path: String,

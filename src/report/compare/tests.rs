@@ -106,7 +106,7 @@ fn what_cannot_be_compared_is_refused() {
     let missing = refused("{}");
     assert_eq!(
         missing,
-        "a/result.json:1:2: is not a result of `kfgpu tune`: missing field `problem` (run the study again)"
+        "a/result.json:1:2: is not a result of `kfgpu tune`: missing field `problem` (name a folder that `tune --out` wrote, or run the study again)"
     );
     assert!(refused(&text(&[("\"seed\":7", "\"seed\":-7")])).contains(":2:9: "), "{}", refused(&text(&[("7", "-7")])));
 }

@@ -90,12 +90,22 @@ fn nothing_wrong(c: &Consistency) -> Finding {
     Finding { verdict, advice }
 }
 
+/// The lag that shows the correlation best to a reader: the first, or the strongest where the first is in its band.
+fn telling(w: &Whiteness) -> (usize, f64) {
+    let lags = (1..).zip(w.autocorrelation.iter().copied());
+    let strongest = lags.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).unwrap_or((1, w.lag_1()));
+    if w.lag_1().abs() > w.band { (1, w.lag_1()) } else { strongest }
+}
+
 fn correlated(c: &Consistency) -> Option<Finding> {
     let names: Vec<_> = c
         .whiteness
         .iter()
         .filter(|w| w.correlated)
-        .map(|w| format!("{} (lag 1: {:+.2})", w.measurement, w.lag_1()))
+        .map(|w| {
+            let (lag, r) = telling(w);
+            format!("{} (lag {lag}: {r:+.2})", w.measurement)
+        })
         .collect();
     let cause = if nis(c).is_some() {
         "either the noise alone is wrong or the model too (tune first; if they stay correlated, change the model)"
@@ -163,6 +173,26 @@ mod tests {
     fn bound(min: f64, max: f64, scale: Scale, value: f64) -> Option<String> {
         let search = Search { min, max, scale, init: [1.0, 2.0], start: None };
         at_bound("r", &search, value).map(|f| f.advice)
+    }
+
+    #[test]
+    fn a_correlation_is_shown_at_a_lag_that_shows_it() {
+        let lag = |autocorrelation: &[f64]| {
+            let autocorrelation = autocorrelation.to_vec();
+            let (measurement, band) = ("z".to_owned(), 0.14);
+            let w = Whiteness {
+                measurement,
+                count: 200,
+                autocorrelation,
+                band,
+                ljung_box: 50.0,
+                p_value: 1e-3,
+                correlated: true,
+            };
+            telling(&w)
+        };
+        assert_eq!(lag(&[0.25, -0.5, 0.1]), (1, 0.25), "the first, where it is out of its band");
+        assert_eq!(lag(&[0.09, -0.05, -0.3]), (3, -0.3), "the strongest, where it is not");
     }
 
     #[test]

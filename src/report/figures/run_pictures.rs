@@ -105,6 +105,7 @@ impl RunRecord<'_> {
         let nis = self.nis;
         let mean = significant(nis.sum / nis.components.max(1) as f64, 3);
         let inside = 100.0 * nis.inside as f64 / nis.rows.max(1) as f64;
+        let rows = if nis.rows == 1 { "row" } else { "rows" };
         let figure = self.figure("NIS").size(760.0, 260.0);
         let axis = Axis::new("NIS").log();
         let Some(track) = self.track().filter(|_| nis.rows > 0) else { return figure.panel(self.empty("NIS")) };
@@ -117,7 +118,7 @@ impl RunRecord<'_> {
         let axis = if 0.0 < low && low < high && high < 1e300 { axis.range(low, high) } else { axis };
         let held_out = if self.held_out_by().is_some() { "held-out " } else { "" };
         let panel = Panel::new(time_axis(self.problem), axis)
-            .title(format!("mean {mean} a component; {inside:.1} % of {} {held_out}rows in the band", nis.rows))
+            .title(format!("mean {mean} a component; {inside:.1} % of {} {held_out}{rows} in the band", nis.rows))
             .band("95 % band", Colour::Blue, track.nis_band.band())
             .points("NIS", (Marker::Dot, Colour::Black), track.nis.points());
         figure.panel(self.with_boundary(panel))

@@ -177,7 +177,7 @@ fn power(k: i32) -> String {
 /// m 10^k.
 fn plain(k: i32, m: i32) -> String {
     match k {
-        0..=3 => format!("{m}{}", "0".repeat(usize::try_from(k).unwrap_or(0))),
+        0..=4 => format!("{m}{}", "0".repeat(usize::try_from(k).unwrap_or(0))),
         -3..=-1 => format!("0.{}{m}", "0".repeat(usize::try_from(-k - 1).unwrap_or(0))),
         _ => format!("{m}e{k}"),
     }

@@ -129,6 +129,22 @@ fn logs_of_one_row_with_gaps_or_without_any_measurement_are_drawn() {
 }
 
 #[test]
+fn nis_far_below_its_band_is_in_the_picture() {
+    let problem = example("nile.toml");
+    let log = Log::open(&problem.data, &Path::new(env!("CARGO_MANIFEST_DIR")).join("examples")).unwrap();
+    let svg = |problem: &Problem, candidate: &[f64]| {
+        let mut record = RunRecord::new(problem, &log);
+        reference::visit(problem, &log, candidate, &mut |trajectory, step| record.add(trajectory, step)).unwrap();
+        record.finish();
+        record.nis().to_svg().unwrap()
+    };
+    // Each dot is a stroke without extent.
+    let dots = |svg: &str| svg.matches("h0").count();
+    let [usual, absurd] = [[15_000.0, 1_500.0], [1e12, 1e11]].map(|candidate| dots(&svg(&problem, &candidate)));
+    assert!(usual > 90 && absurd > 80, "dots of 100 rows: {usual}, and with a vast R {absurd}");
+}
+
+#[test]
 fn convergence_copes_with_any_history() {
     let problem = example("rocket.toml");
     let histories = [
@@ -224,6 +240,12 @@ fn a_front_has_its_ends_its_knee_and_the_baseline() {
     let found = drawn(front);
     for expected in ["nll [nats]", "rmse", "front", "best nll", "best rmse", "knee", "recommended", "baseline"] {
         assert!(found.iter().any(|t| t == expected), "{expected:?} is missing of {found:?}");
+    }
+    let problem = example("matlab_plant.toml");
+    let own = problem.parameters.baseline();
+    let lines = texts(&front.parallel(&problem.parameters, &members, &own).to_svg().unwrap());
+    for expected in [&problem.parameters.names()[..], &["nll", "rmse", "best rmse", "knee", "baseline"]].concat() {
+        assert!(lines.iter().any(|t| t == expected), "{expected:?} is missing of {lines:?}");
     }
     let far = drawn(FrontPicture { baseline: Some(&[1e7, 10.0]), ..front });
     assert!(far.iter().any(|t| t.starts_with("baseline, far outside at (1.000e7, 10.00)")), "{far:?}");

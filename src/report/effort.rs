@@ -60,7 +60,7 @@ pub struct LogFacts {
     pub sha256: String,
 }
 
-/// The result of a study without a usable candidate: everything that a [`Tuning`] would add is null.
+/// The result of a study without a usable candidate: what programs read of a [`super::Tuning`] is null.
 #[derive(Debug, Clone, Serialize)]
 #[expect(missing_docs, reason = "as in Tuning")]
 pub struct Nothing {

@@ -188,7 +188,7 @@ fn for_several(objectives: usize) -> String {
     let front = ALGORITHMS.iter().find(|row| row.maximum_objectives > 1 && row.maximum_objectives >= objectives);
     front.filter(|row| row.name != "random").map_or_else(String::new, |row| {
         format!(
-            ", or set [tune] algorithm = {:?}, which finds a Pareto front of up to {}",
+            ", or set [tune] algorithm = {0:?} (--algorithm {0}), which finds a Pareto front of up to {1}",
             row.name, row.maximum_objectives
         )
     })

@@ -198,7 +198,7 @@ fn wrong_use_says_what_to_do() {
     assert_eq!(
         message("pso", &space, two),
         "algorithm \"pso\" minimises one objective, received 2: keep 1 in [tune] objectives, or set [tune] algorithm = \
-         \"nsga2\", which finds a Pareto front of up to 4"
+         \"nsga2\" (--algorithm nsga2), which finds a Pareto front of up to 4"
     );
     let five = Settings { objectives: 5, ..settings(9, 1, 1) };
     assert_eq!(

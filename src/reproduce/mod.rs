@@ -12,12 +12,14 @@ mod table;
 mod target;
 
 use std::num::NonZero;
+use std::time::Instant;
 
 use rand::TryRng as _;
+use rayon::prelude::*;
 
-use crate::data::SimulateError;
-use crate::evaluate::BuildError;
-use crate::model::ProblemError;
+use crate::data::{Log, SimulateError};
+use crate::evaluate::{BuildError, CpuEvaluator, CpuOptions, Device, Evaluator as _, Population, Precision};
+use crate::model::{Problem, ProblemError};
 use crate::optimize::OptimizeError;
 use crate::optimize::random::{Purpose, Stream};
 use crate::reference::Failure;
@@ -160,8 +162,46 @@ impl PublishedStudy {
             .num_threads(threads)
             .build()
             .map_err(|error| ReproduceError::Threads { threads, reason: error.to_string() })?;
-        pool.install(|| (self.run)(options, progress))
+        let clock = Instant::now();
+        let mut report = pool.install(|| (self.run)(options, progress))?;
+        report.wall_s = clock.elapsed().as_secs_f64();
+        Ok(report)
     }
+}
+
+/// Data sets run side by side, each on one thread.
+const ONE_THREAD: CpuOptions = CpuOptions { precision: Precision::F64, threads: Some(NonZero::<usize>::MIN) };
+
+/// Scores candidates of `problem` on the log of one data set.
+fn evaluator(problem: &Problem, log: &Log) -> Result<CpuEvaluator, ReproduceError> {
+    Ok(CpuEvaluator::new(problem, log, ONE_THREAD)?)
+}
+
+/// Where costs are computed: one thread a data set, on all threads of the pool.
+fn device(problem: &Problem, log: &Log) -> Result<Device, ReproduceError> {
+    let all = CpuOptions { threads: NonZero::new(rayon::current_num_threads()), ..ONE_THREAD };
+    Ok(CpuEvaluator::new(problem, log, all)?.device())
+}
+
+/// The first objective of some candidates.
+fn scores(evaluator: &mut CpuEvaluator, candidates: &Population) -> Vec<f64> {
+    let costs = evaluator.evaluate(candidates);
+    (0..candidates.len()).map(|i| costs.costs(i)[0]).collect()
+}
+
+/// What `one` finds on each of the data sets 0 to `count` - 1, side by side.
+fn over_data_sets<T: Send>(
+    count: u64,
+    progress: &dyn Progress,
+    one: impl Fn(u64) -> Result<T, ReproduceError> + Sync,
+) -> Result<Vec<T>, ReproduceError> {
+    progress.begin(usize::try_from(count).unwrap_or(usize::MAX));
+    let counted = |index| {
+        let found = one(index);
+        progress.advance();
+        found
+    };
+    (0..count).into_par_iter().map(counted).collect()
 }
 
 /// A seed for one search, so that no two data sets or studies of different seeds share a draw.

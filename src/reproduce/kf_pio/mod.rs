@@ -12,14 +12,11 @@ mod search;
 mod tables;
 mod targets;
 
-use std::num::NonZero;
-use std::time::Instant;
-
 use rayon::prelude::*;
 
 use super::{Options, Progress, PublishedStudy, ReproduceError, Reproduction, seed_of};
 use crate::data::Log;
-use crate::evaluate::{CpuEvaluator, CpuOptions, Device, Evaluator as _, Population, Precision};
+use crate::evaluate::{CpuEvaluator, Device, Population};
 use crate::model::Problem;
 use crate::optimize::random::{Purpose, Stream};
 use crate::optimize::{pio, pso};
@@ -144,7 +141,6 @@ struct Results {
 }
 
 fn run(options: &Options, progress: &dyn Progress) -> Result<Reproduction, ReproduceError> {
-    let clock = Instant::now();
     let plan = if options.quick { Plan::QUICK } else { Plan::FULL };
     let bench = Bench::new()?;
     let results = Results::compute(&bench, plan, options.seed, progress)?;
@@ -153,23 +149,17 @@ fn run(options: &Options, progress: &dyn Progress) -> Result<Reproduction, Repro
         report.figures = shown.figures()?;
         report.data.push(shown.table());
     }
-    report.wall_s = clock.elapsed().as_secs_f64();
     Ok(report)
 }
 
 impl Results {
     fn compute(bench: &Bench, plan: Plan, seed: u64, progress: &dyn Progress) -> Result<Self, ReproduceError> {
-        progress.begin(usize::try_from(plan.data_sets).unwrap_or(usize::MAX));
-        let one = |index| {
-            let found = bench.data_set(&plan, seed, index);
-            progress.advance();
-            found
-        };
-        let data_sets = (0..plan.data_sets).into_par_iter().map(one).collect::<Result<_, _>>()?;
-        let untuned =
-            (0..plan.untuned).into_par_iter().map(|index| bench.untuned(seed, index)).collect::<Result<_, _>>()?;
+        let data_sets = super::over_data_sets(plan.data_sets, progress, |index| bench.data_set(&plan, seed, index))?;
+        let untuned = |index| Ok(untuned(&mut bench.evaluator(&scenario::log(seed, index))?));
+        let untuned = (0..plan.untuned).into_par_iter().map(untuned).collect::<Result<_, ReproduceError>>()?;
         let oracle_gap = bench.oracle_gap(&plan, seed)?;
-        Ok(Self { device: bench.device(seed)?, plan, seed, untuned, oracle_gap, data_sets })
+        let device = super::device(&bench.free, &scenario::log(seed, 0))?;
+        Ok(Self { device, plan, seed, untuned, oracle_gap, data_sets })
     }
 
     fn report(&self) -> Reproduction {
@@ -211,38 +201,20 @@ struct Bench {
     boxed: Vec<Problem>,
 }
 
-/// Data sets run side by side, each on one thread.
-const ONE_THREAD: CpuOptions = CpuOptions { precision: Precision::F64, threads: Some(NonZero::<usize>::MIN) };
-
 impl Bench {
     fn new() -> Result<Self, ReproduceError> {
         let boxed = BOXES.iter().map(|bounds| scenario::problem(*bounds)).collect::<Result<_, _>>()?;
         Ok(Self { free: scenario::problem(Bounds::Free)?, boxed })
     }
 
-    /// Where costs are computed: one thread a data set, on all threads of the pool.
-    fn device(&self, seed: u64) -> Result<Device, ReproduceError> {
-        let all = CpuOptions { threads: NonZero::new(rayon::current_num_threads()), ..ONE_THREAD };
-        Ok(CpuEvaluator::new(&self.free, &scenario::log(seed, 0), all)?.device())
-    }
-
     fn evaluator(&self, log: &Log) -> Result<CpuEvaluator, ReproduceError> {
-        Ok(CpuEvaluator::new(&self.free, log, ONE_THREAD)?)
-    }
-
-    /// J of some M on a log.
-    fn scores(&self, log: &Log, factors: &[&[f64]]) -> Result<Vec<f64>, ReproduceError> {
-        let costs = self.evaluator(log)?.evaluate(&Population::from_rows(4, factors.concat()));
-        Ok((0..factors.len()).map(|i| costs.costs(i)[0]).collect())
-    }
-
-    fn untuned(&self, seed: u64, index: u64) -> Result<f64, ReproduceError> {
-        Ok(self.scores(&scenario::log(seed, index), &[&scenario::UNTUNED])?[0])
+        super::evaluator(&self.free, log)
     }
 
     fn data_set(&self, plan: &Plan, seed: u64, index: u64) -> Result<DataSet, ReproduceError> {
         let log = scenario::log(seed, index);
         let mut evaluator = self.evaluator(&log)?;
+        let untuned = untuned(&mut evaluator);
         let mut ground = Ground { data_set: index, log: &log, evaluator: &mut evaluator };
         // The same seed for all: every method starts from the same population.
         let search_seed = seed_of(seed, index, 0);
@@ -259,13 +231,12 @@ impl Bench {
         let noise = Noise::of(&log.trajectories[0]);
         let optimum = optimum::search(&noise, plan.local_searches, seed_of(seed, index, 1))?;
         let held_out = self.held_out(&scenario::fresh(seed, index, plan.fresh), &pio, &pso)?;
-        let untuned = self.untuned(seed, index)?;
         Ok(DataSet { index, untuned, pio, printed, plus, pso, sweep, boxed, optimum, held_out })
     }
 
     fn held_out(&self, fresh: &Log, pio: &Run, pso: &Run) -> Result<HeldOut, ReproduceError> {
         let fixed = scenario::UNTUNED.map(|m| m * FIXED.sqrt());
-        let scores = self.scores(fresh, &[&scenario::UNTUNED, &pio.factor, &pso.factor, &fixed])?;
+        let scores = j_of(&mut self.evaluator(fresh)?, &[&scenario::UNTUNED, &pio.factor, &pso.factor, &fixed]);
         Ok(HeldOut { untuned: scores[0], pio: scores[1], pso: scores[2], fixed: scores[3] })
     }
 
@@ -275,7 +246,7 @@ impl Bench {
         let noise = Noise::of(&log.trajectories[0]);
         let factors: Vec<[f64; 4]> = (0..plan.matrices).map(|index| random_factor(seed, index)).collect();
         let rows: Vec<&[f64]> = factors.iter().map(<[f64; 4]>::as_slice).collect();
-        let tape = self.scores(&log, &rows)?;
+        let tape = j_of(&mut self.evaluator(&log)?, &rows);
         let gap = |(m, tape): (&&[f64], &f64)| {
             let exact = noise.score(&Spectrum::of_factor(m));
             let reference = crate::reference::costs(&self.free, &log, m).map_or(f64::NAN, |costs| costs[0]);
@@ -284,6 +255,16 @@ impl Bench {
         };
         Ok(rows.par_iter().zip(&tape).map(gap).reduce(|| 0.0, f64::max))
     }
+}
+
+/// J of some M.
+fn j_of(evaluator: &mut CpuEvaluator, factors: &[&[f64]]) -> Vec<f64> {
+    super::scores(evaluator, &Population::from_rows(4, factors.concat()))
+}
+
+/// J at R = I.
+fn untuned(evaluator: &mut CpuEvaluator) -> f64 {
+    j_of(evaluator, &[&scenario::UNTUNED])[0]
 }
 
 fn random_factor(seed: u64, index: u64) -> [f64; 4] {

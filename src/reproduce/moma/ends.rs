@@ -22,12 +22,15 @@ pub(super) fn curve(evaluator: &mut dyn Evaluator, [low, high]: [f64; 2], points
     usable.map(|(i, r)| Point { r, f: [costs.costs(i)[0], costs.costs(i)[1]] }).collect()
 }
 
-/// The R of least objective `which`: the best of a grid of 0.01 over the whole range, then of a finer one around it.
+/// The R of least f1 and of least f2: the best of a grid of 0.01 over the whole range, then of a finer one around it.
 /// `None` if every R fails.
-pub(super) fn end(evaluator: &mut dyn Evaluator, which: usize) -> Option<f64> {
-    let best = |points: Vec<Point>| points.into_iter().min_by(|a, b| a.f[which].total_cmp(&b.f[which])).map(|p| p.r);
-    let coarse = best(curve(evaluator, RANGE, POINTS))?;
+pub(super) fn ends(evaluator: &mut dyn Evaluator) -> Option<[f64; 2]> {
+    let coarse = curve(evaluator, RANGE, POINTS);
     let step = (RANGE[1] - RANGE[0]) / (POINTS - 1) as f64;
-    let around = [(coarse - step).max(RANGE[0]), (coarse + step).min(RANGE[1])];
-    best(curve(evaluator, around, 201))
+    let mut end = |which: usize| {
+        let best = |points: &[Point]| points.iter().min_by(|a, b| a.f[which].total_cmp(&b.f[which])).map(|p| p.r);
+        let r = best(&coarse)?;
+        best(&curve(evaluator, [(r - step).max(RANGE[0]), (r + step).min(RANGE[1])], 201))
+    };
+    Some([end(0)?, end(1)?])
 }

@@ -4,9 +4,8 @@
 use super::super::{Cell, Figure, ReproduceError, Table};
 use super::ends::{self, Point};
 use super::paths::Path;
-use super::{Bench, DataSet, ONE_THREAD, Results, Run, scenario};
+use super::{Bench, DataSet, Results, Run, scenario};
 use crate::data::{Log, Trajectory};
-use crate::evaluate::CpuEvaluator;
 use crate::report::figures::{Axis, Colour, Dash, Figure as Picture, FigureError, Marker, Panel, Stroke};
 use crate::report::significant;
 
@@ -43,7 +42,7 @@ impl Results {
         let Some(j) = (0..set.regular.len()).min_by(|a, b| nearest(a).total_cmp(&nearest(b))) else { return Ok(None) };
         let mut log = scenario::log(&bench.both, self.seed, set.index)?;
         let run = &set.tuned[0].moma[j];
-        let mut evaluator = CpuEvaluator::new(&bench.both, &log, ONE_THREAD)?;
+        let mut evaluator = super::super::evaluator(&bench.both, &log)?;
         let curve = ends::curve(&mut evaluator, scenario::RANGE, 2000);
         let mut end = |which: usize| -> Option<Point> {
             let r = set.ends[which].0;

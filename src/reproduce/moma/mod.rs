@@ -14,14 +14,9 @@ mod search;
 mod tables;
 mod targets;
 
-use std::num::NonZero;
-use std::time::Instant;
-
-use rayon::prelude::*;
-
 use super::{Options, Progress, PublishedStudy, ReproduceError, Reproduction, seed_of};
 use crate::data::Log;
-use crate::evaluate::{CpuEvaluator, CpuOptions, Device, Evaluator as _, Population, Precision};
+use crate::evaluate::{CpuEvaluator, Device, Population};
 use crate::model::Problem;
 use crate::optimize::nsga2::{self, Merge};
 use paths::Path;
@@ -135,7 +130,6 @@ struct Results {
 }
 
 fn run(options: &Options, progress: &dyn Progress) -> Result<Reproduction, ReproduceError> {
-    let clock = Instant::now();
     let bench = Bench::new()?;
     let plan = if options.quick { Plan::QUICK } else { Plan::FULL };
     let results = Results::compute(&bench, plan, options.seed, progress)?;
@@ -144,21 +138,15 @@ fn run(options: &Options, progress: &dyn Progress) -> Result<Reproduction, Repro
         report.figures = shown.figures()?;
         report.data.extend(shown.tables());
     }
-    report.wall_s = clock.elapsed().as_secs_f64();
     Ok(report)
 }
 
 impl Results {
     fn compute(bench: &Bench, plan: Plan, seed: u64, progress: &dyn Progress) -> Result<Self, ReproduceError> {
-        progress.begin(usize::try_from(plan.data_sets).unwrap_or(usize::MAX));
-        let one = |index| {
-            let found = bench.data_set(&plan, seed, index);
-            progress.advance();
-            found
-        };
-        let data_sets = (0..plan.data_sets).into_par_iter().map(one).collect::<Result<_, _>>()?;
+        let data_sets = super::over_data_sets(plan.data_sets, progress, |index| bench.data_set(&plan, seed, index))?;
         let agreements = brute_force::agreements(seed, plan.fronts);
-        Ok(Self { device: bench.device(seed)?, plan, seed, agreements, data_sets })
+        let device = super::device(&bench.both, &scenario::log(&bench.both, seed, 0)?)?;
+        Ok(Self { device, plan, seed, agreements, data_sets })
     }
 
     fn report(&self) -> Reproduction {
@@ -206,9 +194,6 @@ struct Bench {
     fuzzy: Problem,
 }
 
-/// Data sets run side by side, each on one thread.
-const ONE_THREAD: CpuOptions = CpuOptions { precision: Precision::F64, threads: Some(NonZero::<usize>::MIN) };
-
 impl Bench {
     fn new() -> Result<Self, ReproduceError> {
         Ok(Self {
@@ -219,37 +204,31 @@ impl Bench {
         })
     }
 
-    /// Where costs are computed: one thread a data set, on all threads of the pool.
-    fn device(&self, seed: u64) -> Result<Device, ReproduceError> {
-        let all = CpuOptions { threads: NonZero::new(rayon::current_num_threads()), ..ONE_THREAD };
-        Ok(CpuEvaluator::new(&self.both, &scenario::log(&self.both, seed, 0)?, all)?.device())
-    }
-
     fn data_set(&self, plan: &Plan, seed: u64, index: u64) -> Result<DataSet, ReproduceError> {
         let log = scenario::log(&self.both, seed, index)?;
         let starts = scenario::starts(seed, index, plan.runs);
-        let mut evaluator = CpuEvaluator::new(&self.both, &log, ONE_THREAD)?;
+        let mut evaluator = super::evaluator(&self.both, &log)?;
+        let mut regular = super::evaluator(&self.regular, &log)?;
         let nothing = || ReproduceError::Nothing { what: "the grid over R".to_owned(), data_set: index };
-        let f1 = ends::end(&mut evaluator, 0).ok_or_else(nothing)?;
-        let f2 = ends::end(&mut evaluator, 1).ok_or_else(nothing)?;
-        let at_ends = scores(&self.regular, &log, &[f1, f2])?;
+        let [f1, f2] = ends::ends(&mut evaluator).ok_or_else(nothing)?;
+        let at_ends = rmse_of(&mut regular, &[f1, f2]);
         let mut tuned = Vec::with_capacity(plan.profiles.len());
         for (number, profile) in (0_u64..).zip(&plan.profiles) {
-            let mut runs = |method, which: u64| -> Result<Vec<Run>, ReproduceError> {
+            let mut runs = |method, which: u64| -> Vec<Run> {
                 let seed_of_run = |run| seed_of(seed, index, (number * 2 + which) * plan.runs + run);
                 let search = |run| search::run((&self.both, &mut evaluator), method, profile.genetic, seed_of_run(run));
                 let found: Vec<Found> = (0..plan.runs).map(search).collect();
                 let answers: Vec<f64> = found.iter().map(|f| f.r).collect();
-                let rmse = scores(&self.regular, &log, &answers)?;
-                Ok(found.into_iter().zip(rmse).map(|(found, rmse)| Run { found, rmse }).collect())
+                let rmse = rmse_of(&mut regular, &answers);
+                found.into_iter().zip(rmse).map(|(found, rmse)| Run { found, rmse }).collect()
             };
-            tuned.push(Tuned { nsga: runs(Method::Genetic, 0)?, moma: runs(Method::Memetic, 1)? });
+            tuned.push(Tuned { nsga: runs(Method::Genetic, 0), moma: runs(Method::Memetic, 1) });
         }
         Ok(DataSet {
             index,
-            regular: scores(&self.regular, &log, &starts)?,
-            sage_husa: scores(&self.sage_husa, &log, &starts)?,
-            fuzzy: scores(&self.fuzzy, &log, &starts)?,
+            regular: rmse_of(&mut regular, &starts),
+            sage_husa: rmse_of(&mut super::evaluator(&self.sage_husa, &log)?, &starts),
+            fuzzy: rmse_of(&mut super::evaluator(&self.fuzzy, &log)?, &starts),
             starts,
             tuned,
             ends: [(f1, at_ends[0]), (f2, at_ends[1])],
@@ -266,10 +245,9 @@ impl Bench {
     }
 }
 
-/// RMSE of some R on a log.
-fn scores(problem: &Problem, log: &Log, r: &[f64]) -> Result<Vec<f64>, ReproduceError> {
-    let costs = CpuEvaluator::new(problem, log, ONE_THREAD)?.evaluate(&Population::from_rows(1, r.to_vec()));
-    Ok((0..r.len()).map(|i| costs.costs(i)[0]).collect())
+/// RMSE of some R.
+fn rmse_of(evaluator: &mut CpuEvaluator, r: &[f64]) -> Vec<f64> {
+    super::scores(evaluator, &Population::from_rows(1, r.to_vec()))
 }
 
 #[cfg(test)]

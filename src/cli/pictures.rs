@@ -16,12 +16,13 @@ use crate::study::{Outcome, Winner};
 const FOLDER: &str = "figures";
 
 /// Every picture there may be. One that a run does not draw is removed, so that none is left of an earlier run.
-const NAMES: [&str; 11] = [
+const NAMES: [&str; 12] = [
     "front.svg",
     "parameters.svg",
     "hypervolume.svg",
     "convergence.svg",
     "landscape.svg",
+    "plan.svg",
     "estimates.svg",
     "errors.svg",
     "innovations.svg",
@@ -98,11 +99,12 @@ pub(super) fn drawn(folder: &OutFolder, tuning: &Tuning) -> Vec<Picture> {
 
 /// Which rows a picture of the filter shows, where not all were tuned on.
 fn rows_shown(name: &str, tuning: &Tuning) -> &'static str {
-    let over_time = matches!(name, "estimates.svg" | "errors.svg" | "innovations.svg" | "nis.svg");
+    let over_time = matches!(name, "plan.svg" | "estimates.svg" | "errors.svg" | "innovations.svg" | "nis.svg");
     let pooled = matches!(name, "autocorrelation.svg" | "histogram.svg");
     let Some(validation) = tuning.validation.as_ref().filter(|_| over_time || pooled) else { return "" };
     match (tuning.consistency_on, validation.by) {
         (Rows::InSample, _) => " Of the rows tuned on: on the held-out ones the filter fails.",
+        (Rows::HeldOut, SplitBy::Time) if name == "plan.svg" => " Training rows and held-out ones.",
         (Rows::HeldOut, SplitBy::Time) if over_time => " Rows after the dotted line were held out.",
         (Rows::HeldOut, SplitBy::Trajectory) if over_time => " Shown is a trajectory that was held out.",
         (Rows::HeldOut, _) => " Of the held-out rows alone.",
@@ -117,6 +119,7 @@ fn caption(name: &str) -> &'static str {
         "hypervolume.svg" => "The search: the volume that its front dominates.",
         "errors.svg" => "Errors of the estimates against the truth, with the 3-sigma band of the filter.",
         "convergence.svg" => "The search: the best cost so far and the spread of each generation.",
+        "plan.svg" => "The track from above, one scale for both axes: measurements and the tuned filter's estimates.",
         "landscape.svg" => "The cost around the tuned parameters, with the start values marked.",
         "estimates.svg" => "Measurements and the tuned filter's estimates with their 3-sigma band.",
         "innovations.svg" => "Innovations with the band that the filter expects them in.",
@@ -190,6 +193,7 @@ fn of_run(problem: &Problem, logs: Logs<'_>, candidate: &[f64], whiteness: &[Whi
         ("histogram.svg", record.histogram()),
     ];
     pictures.extend(record.errors().map(|errors| ("errors.svg", errors)));
+    pictures.extend(record.plan().map(|plan| ("plan.svg", plan)));
     Ok(pictures)
 }
 

@@ -19,7 +19,7 @@ use crate::data::Log;
 use crate::evaluate::{CpuEvaluator, CpuOptions, Evaluator, Precision};
 use crate::model::{Problem, TuneSpec};
 use crate::reference;
-use crate::report::{Effort, LogFacts, Tuning, unmet};
+use crate::report::{Effort, LogFacts, Tuning, mean_nis, unmet};
 use crate::study::{self, CheckpointFile, Judge, Observer, Outcome, StopReason, Study};
 
 /// Search the parameters of a filter on a log, and report how much better the best found is.
@@ -36,8 +36,8 @@ pub(super) struct Tune {
     #[arg(long, value_name = "FILE")]
     data: Option<String>,
 
-    /// Constraint on the winner, such as 'nis_mean <= 1.2' or 'rmse <= 5'; may be given several times (default: the
-    /// file's `tune.constraints`, which these replace).
+    /// Constraint on the winner, such as '0.8 <= nis_mean <= 1.2' or 'rmse <= 5'; may be given several times (default:
+    /// the file's `tune.constraints`, which these replace).
     #[arg(long = "constraint", value_name = "BOUND")]
     constraints: Vec<String>,
 
@@ -218,13 +218,14 @@ impl Tune {
         let mut observers: Vec<&mut dyn Observer> = vec![&mut progress];
         observers.extend(keeper.as_mut().map(|keeper| keeper as &mut dyn Observer));
         let study = Study::of(problem);
-        let outcome = match resumed.map(Resumed::snapshot) {
+        let mut outcome = match resumed.map(Resumed::snapshot) {
             Some(from) => {
                 evaluator.say_if_moved(&from.device);
                 study::resume(&study, from, &mut evaluator, judge, &mut observers, &interrupt)?
             }
             None => study::run(&study, &mut evaluator, judge, &mut observers, &interrupt)?,
         };
+        outcome.prefer_consistent(&problem.tune.pick, |candidate| mean_nis(problem, log, candidate));
         Ok((outcome, evaluator))
     }
 

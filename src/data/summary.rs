@@ -139,6 +139,6 @@ struct Short(f64);
 impl fmt::Display for Short {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let rounded: f64 = format!("{:.5e}", self.0).parse().unwrap_or(self.0);
-        write!(f, "{rounded}")
+        if (1e-300..1e-4).contains(&rounded.abs()) { write!(f, "{rounded:e}") } else { write!(f, "{rounded}") }
     }
 }

@@ -29,6 +29,15 @@ pub enum Relation {
 impl Relation {
     /// Both, as they are written.
     pub const ALL: [(&'static str, Self); 2] = [("<=", Self::AtMost), (">=", Self::AtLeast)];
+
+    /// The same relation read from the other side: 0.8 <= a is a >= 0.8.
+    #[must_use]
+    pub const fn mirrored(self) -> Self {
+        match self {
+            Self::AtMost => Self::AtLeast,
+            Self::AtLeast => Self::AtMost,
+        }
+    }
 }
 
 impl fmt::Display for Relation {

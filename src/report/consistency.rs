@@ -20,8 +20,9 @@ use serde::Serialize;
 use crate::data::Log;
 use crate::model::Problem;
 use crate::reference::Run;
-use crate::report::short;
+use crate::report::{short, significant};
 
+pub(super) use band::Band;
 pub use distribution::NisDistribution;
 pub use evidence::Evidence;
 pub use uncertainty::{FlatDirection, Uncertainty};
@@ -115,7 +116,7 @@ impl fmt::Display for Consistency {
             let (lag, lags) = (w.lag_1(), autocorrelation.len());
             write!(f, "  white {measurement}: lag 1 {lag:+.3} (band {band:.3}), Ljung-Box over {lags} lags p ")?;
             // Below the smallest number of double precision it comes out as 0, which no probability of a test is.
-            if *p_value > 0.0 { writeln!(f, "= {p_value:.2e}")? } else { writeln!(f, "< 1e-300")? }
+            if *p_value > 0.0 { writeln!(f, "= {}", significant(*p_value, 3))? } else { writeln!(f, "< 1e-300")? }
         }
         for finding in &self.findings {
             writeln!(f, "  {}: {}", finding.verdict, finding.advice)?;

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::{TextTable, Validation, significant};
+use super::{TextTable, Validation, exact, significant};
 use crate::model::Problem;
 use crate::objective::{Constraint, Relation};
 use crate::study::Outcome;
@@ -61,13 +61,13 @@ impl ConstraintCheck {
     /// "nis_mean 1.5 (<= 1.2 asked)".
     fn miss(&self) -> Option<String> {
         let value = self.value.filter(|_| !self.met)?;
-        Some(format!("{} {} ({} {} asked)", self.measure, significant(value, 4), self.relation, self.limit))
+        Some(format!("{} {} ({} {} asked)", self.measure, significant(value, 4), self.relation, exact(self.limit)))
     }
 }
 
 impl fmt::Display for ConstraintCheck {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} {} {}", self.measure, self.relation, self.limit)
+        write!(f, "{} {} {}", self.measure, self.relation, exact(self.limit))
     }
 }
 

@@ -5,13 +5,14 @@ use std::io::Write;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::consistency::Band;
 use super::{ConstraintCheck, Named, TextTable, constraint_checks, exact, short, significant};
-use crate::data::HeldOut;
+use crate::data::{Log, Split, scoring_rows};
 use crate::model::{Pick, Problem};
-use crate::objective::Objective;
+use crate::objective::{Kind, Objective};
 use crate::optimize::pareto::dominates;
 use crate::reference;
-use crate::study::{FrontMember, Landmarks, Outcome};
+use crate::study::{Among, FrontMember, Landmarks, MeanNis, Outcome};
 
 /// Members that the text report shows.
 const SHOWN: usize = 10;
@@ -29,6 +30,10 @@ pub struct FrontPoint {
     pub objectives: Named<f64>,
     /// Objectives over held-out rows; `None` without a validation split, or where the filter fails on them.
     pub held_out: Option<Named<f64>>,
+    /// Mean NIS over the rows that were tuned on; `None` where nothing was measured.
+    pub nis_mean: Option<f64>,
+    /// Whether that is in its 95 % band.
+    pub consistent: Option<bool>,
     /// What it is: `recommended`, `knee` (or `most even`, of a front without a knee), `best nll` and so on.
     pub marks: Vec<String>,
 }
@@ -38,12 +43,19 @@ pub struct FrontPoint {
 pub struct FrontSummary {
     /// How the recommended member was picked: a mark of [`FrontPoint::marks`], or `weights`.
     pub pick: String,
+    /// The members that a recommended knee was looked for among (docs/semantics.md, Several objectives).
+    pub among: Among,
+    /// How many members have a mean NIS in its 95 % band; `None` where nothing was measured.
+    pub consistent: Option<usize>,
     /// Whether the front has a knee: members nearer to the ideal point than the plane through the ends.
     pub has_knee: bool,
     /// The best value of each objective over the front.
     pub best: Named<f64>,
-    /// What the recommended member gives up: (value - best) / |best| of each objective; `None` where the best is 0.
+    /// What the recommended member gives up: (value - best) / |best| of each objective, `None` where the best is 0; of
+    /// `nll`, whose zero depends on units, value - best in nats.
     pub given_up: Named<Option<f64>>,
+    /// That of `nll`, divided by the rows that score; `None` where it is no objective.
+    pub given_up_nats_per_row: Option<f64>,
     /// Members at least as good as the baseline in every objective and better in one; `None` where the baseline fails.
     pub dominate_baseline: Option<usize>,
     /// Whether the baseline meets every constraint.
@@ -59,21 +71,39 @@ pub struct FrontSummary {
 pub fn front(
     problem: &Problem,
     outcome: &Outcome,
-    held_out: Option<&HeldOut>,
+    split: &Split,
 ) -> Option<(Vec<FrontPoint>, FrontSummary)> {
     let landmarks = outcome.landmarks.as_ref()?;
     let names: Vec<&str> = problem.tune.objectives.iter().map(Objective::name).collect();
     let point = |(i, member): (usize, &FrontMember)| {
+        let held_out = split.held_out.as_ref();
         let scores = held_out.and_then(|held_out| reference::costs_held_out(problem, held_out, &member.candidate).ok());
         FrontPoint {
             parameters: Named::new(problem.parameters.names(), member.candidate.iter().copied()),
             objectives: Named::new(names.iter().copied(), member.objectives.iter().copied()),
             held_out: scores.map(|scores| Named::new(names.iter().copied(), scores)),
+            nis_mean: member.nis.map(|nis| nis.mean),
+            consistent: member.nis.map(|nis| nis.is_consistent()),
             marks: marks(landmarks, &names, i),
         }
     };
     let points: Vec<FrontPoint> = outcome.front.par_iter().enumerate().map(point).collect();
-    Some((points, summary(problem, outcome, landmarks, &names)?))
+    Some((points, summary(problem, outcome, landmarks, &split.train)?))
+}
+
+/// The mean NIS of a candidate over `log` by the f64 reference; `None` where its filter fails or nothing is measured.
+#[must_use]
+pub fn mean_nis(problem: &Problem, log: &Log, candidate: &[f64]) -> Option<MeanNis> {
+    let (mut sum, mut components) = (0.0, 0_u32);
+    reference::visit(problem, log, candidate, &mut |_, step| {
+        if let Some(update) = &step.update {
+            sum += update.nis;
+            components += update.present.len() as u32;
+        }
+    })
+    .ok()?;
+    let Band { mean, low, high } = Band::of(sum, f64::from(components));
+    (components > 0).then_some(MeanNis { mean, low, high })
 }
 
 fn marks(landmarks: &Landmarks, names: &[&str], i: usize) -> Vec<String> {
@@ -87,7 +117,9 @@ const fn knee_mark(landmarks: &Landmarks) -> &'static str {
     if landmarks.has_knee { "knee" } else { "most even" }
 }
 
-fn summary(problem: &Problem, outcome: &Outcome, landmarks: &Landmarks, names: &[&str]) -> Option<FrontSummary> {
+fn summary(problem: &Problem, outcome: &Outcome, landmarks: &Landmarks, log: &Log) -> Option<FrontSummary> {
+    let objectives = &problem.tune.objectives;
+    let names: Vec<&str> = objectives.iter().map(Objective::name).collect();
     let named = |values: Vec<f64>| Named::new(names.iter().copied(), values);
     let best: Vec<f64> = landmarks
         .ends
@@ -96,7 +128,13 @@ fn summary(problem: &Problem, outcome: &Outcome, landmarks: &Landmarks, names: &
         .map(|(j, end)| outcome.front.get(*end)?.objectives.get(j).copied())
         .collect::<Option<_>>()?;
     let recommended = &outcome.front.get(landmarks.recommended)?.objectives;
-    let share = |(value, best): (&f64, &f64)| (best.abs() > 0.0).then(|| (value - best) / best.abs());
+    let given_up = |(objective, (value, best)): (&Objective, (&f64, &f64))| match objective.kind {
+        Kind::Nll => Some(value - best),
+        _ => (best.abs() > 0.0).then(|| (value - best) / best.abs()),
+    };
+    let given_up: Vec<Option<f64>> = objectives.iter().zip(recommended.iter().zip(&best)).map(given_up).collect();
+    let nll = objectives.iter().position(|objective| objective.kind == Kind::Nll);
+    let rows = |i: usize| scoring_rows(problem, log, &vec![0; log.trajectories.len()], &objectives[i]) as f64;
     let pick = match &problem.tune.pick {
         Pick::Knee => knee_mark(landmarks).to_owned(),
         Pick::Best(j) => format!("best {}", names.get(*j).copied().unwrap_or_default()),
@@ -105,8 +143,11 @@ fn summary(problem: &Problem, outcome: &Outcome, landmarks: &Landmarks, names: &
     let beats = |baseline: &Vec<f64>| outcome.front.iter().filter(|m| dominates(&m.objectives, baseline)).count();
     Some(FrontSummary {
         pick,
+        among: landmarks.among,
+        consistent: consistent_members(outcome),
         has_knee: landmarks.has_knee,
-        given_up: Named::new(names.iter().copied(), recommended.iter().zip(&best).map(share)),
+        given_up_nats_per_row: nll.and_then(|i| Some(given_up[i]? / rows(i))),
+        given_up: Named::new(names.iter().copied(), given_up),
         best: named(best),
         dominate_baseline: outcome.baseline.objectives.as_ref().map(beats),
         baseline_feasible: constraint_checks(problem, outcome).iter().all(ConstraintCheck::met_by_baseline),
@@ -115,7 +156,13 @@ fn summary(problem: &Problem, outcome: &Outcome, landmarks: &Landmarks, names: &
     })
 }
 
-/// The whole front as CSV: parameters, objectives, `held_out.` objectives where they are, and marks.
+/// How many members have a mean NIS in its band; `None` where none has a mean NIS.
+fn consistent_members(outcome: &Outcome) -> Option<usize> {
+    let known: Vec<MeanNis> = outcome.front.iter().filter_map(|member| member.nis).collect();
+    (!known.is_empty()).then(|| known.iter().filter(|nis| nis.is_consistent()).count())
+}
+
+/// The whole front as CSV: parameters, objectives, `held_out.` objectives where they are, `nis_mean` and marks.
 ///
 /// # Errors
 /// If `out` cannot be written.
@@ -125,31 +172,58 @@ pub fn write_front(points: &[FrontPoint], out: impl Write) -> Result<(), csv::Er
     if let Some(first) = points.first() {
         let names = first.parameters.iter().chain(first.objectives.iter()).map(|(name, _)| name.to_owned());
         let held_out = first.objectives.iter().filter(|_| validated).map(|(name, _)| format!("held_out.{name}"));
-        table.write_record(names.chain(held_out).chain(["marks".to_owned()]))?;
+        table.write_record(names.chain(held_out).chain(["nis_mean", "marks"].map(str::to_owned)))?;
     }
     for point in points {
         let values = point.parameters.iter().chain(point.objectives.iter()).map(|(_, value)| exact(*value));
         let held_out = |name| point.held_out.as_ref().and_then(|h| h.get(name)).map_or_else(String::new, |v| exact(*v));
         let held_out = point.objectives.iter().filter(|_| validated).map(|(name, _)| held_out(name));
-        table.write_record(values.chain(held_out).chain([point.marks.join("; ")]))?;
+        let nis = point.nis_mean.map_or_else(String::new, exact);
+        table.write_record(values.chain(held_out).chain([nis, point.marks.join("; ")]))?;
     }
     Ok(table.flush()?)
 }
 
 impl FrontSummary {
-    /// "knee: nll 3.2 % above its best, rmse at its best".
+    /// "knee: nll 3.2 nats above its best (0.03 a row), rmse at its best".
     #[must_use]
     pub fn given_up_line(&self, recommended: &FrontPoint) -> String {
         let part = |(name, value): (&str, &f64)| {
             let best = self.best.get(name).copied().unwrap_or(*value);
             match self.given_up.get(name).copied().flatten() {
                 _ if *value <= best => format!("{name} at its best"),
+                Some(nats) if name == "nll" => {
+                    let row = self.given_up_nats_per_row.map_or_else(String::new, |v| format!(" ({} a row)", short(v, 2)));
+                    format!("nll {} nats above its best{row}", short(nats, 3))
+                }
                 // A best close to 0 makes any share of it large and meaningless.
                 Some(share) if share < 10.0 => format!("{name} {} % above its best", significant(100.0 * share, 2)),
                 _ => format!("{name} {} (best {})", short(*value, 3), short(best, 3)),
             }
         };
-        format!("{}: {}", self.pick, recommended.objectives.iter().map(part).collect::<Vec<_>>().join(", "))
+        format!("{}: {}", self.picked(), recommended.objectives.iter().map(part).collect::<Vec<_>>().join(", "))
+    }
+
+    /// What was picked, and from which members where not from all.
+    fn picked(&self) -> String {
+        let is = |what: &str| format!("{} of the members that {what}", self.pick);
+        match self.among {
+            _ if !matches!(self.pick.as_str(), "knee" | "most even") => self.pick.clone(),
+            Among::All => self.pick.clone(),
+            Among::Dominating => is("dominate the baseline"),
+            Among::Consistent => is("are consistent"),
+            Among::ConsistentAndDominating => is("are consistent and dominate the baseline"),
+        }
+    }
+
+    /// How many members can be trusted; nothing where nothing was measured.
+    pub(super) fn consistent_line(&self, members: usize) -> String {
+        match self.consistent {
+            None => String::new(),
+            Some(0) => " None is consistent: no mean NIS is in its 95 % band.".to_owned(),
+            Some(1) => format!(" 1 of {members} is consistent (mean NIS in its 95 % band)."),
+            Some(some) => format!(" {some} of {members} are consistent (mean NIS in its 95 % band)."),
+        }
     }
 
     /// How the front stands to the user's own candidate.
@@ -173,11 +247,12 @@ impl FrontSummary {
         let of = if shown.len() < points.len() { format!(", {} shown", shown.len()) } else { String::new() };
         let rows = if validated { "training rows beside held-out rows" } else { "in-sample" };
         format!(
-            "Front, {rows}, f64 ({} {}{of}):\n{}\nRecommended: {line}.\n{}\n",
+            "Front, {rows}, f64 ({} {}{of}):\n{}\nRecommended: {line}.\n{}{}\n",
             points.len(),
             if points.len() == 1 { "member" } else { "members" },
             table(points, &shown, validated),
             self.baseline_line(points.len()),
+            self.consistent_line(points.len()),
         )
     }
 }
@@ -209,18 +284,24 @@ pub(super) fn held_out_cells(point: &FrontPoint, validated: bool, digits: usize)
     point.objectives.iter().filter(move |_| validated).map(move |(name, _)| text(cell(name)))
 }
 
+/// A member's mean NIS.
+pub(super) fn nis_cell(point: &FrontPoint) -> String {
+    point.nis_mean.map_or_else(String::new, |nis| short(nis, 3))
+}
+
 fn table(points: &[FrontPoint], shown: &[usize], validated: bool) -> TextTable {
     let names = |named: &Named<f64>| named.iter().map(|(name, _)| name.to_owned()).collect::<Vec<_>>();
     let Some(first) = points.first() else { return TextTable::default() };
     let parameters = names(&first.parameters);
     let with_parameters = parameters.len() <= SHOWN_PARAMETERS;
     let mut header = objective_columns(first, validated);
+    header.push("NIS".to_owned());
     header.extend(parameters.into_iter().filter(|_| with_parameters));
     header.push(String::new());
     let row = |i: &usize| {
         let point = &points[*i];
         let objectives = point.objectives.iter().map(|(_, value)| significant(*value, DIGITS));
-        let objectives = objectives.chain(held_out_cells(point, validated, DIGITS));
+        let objectives = objectives.chain(held_out_cells(point, validated, DIGITS)).chain([nis_cell(point)]);
         let parameters = point.parameters.iter().filter(|_| with_parameters).map(|(_, value)| short(*value, DIGITS));
         objectives.chain(parameters).chain([point.marks.join(", ")]).collect()
     };
@@ -236,6 +317,8 @@ mod tests {
             parameters: Named::new(["q"], [i as f64]),
             objectives: Named::new(["nll", "rmse"], objectives),
             held_out: None,
+            nis_mean: None,
+            consistent: None,
             marks: marks.iter().map(|m| (*m).to_owned()).collect(),
         }
     }
@@ -243,6 +326,9 @@ mod tests {
     fn summary(pick: &str, best: [f64; 2], given_up: [Option<f64>; 2]) -> FrontSummary {
         FrontSummary {
             pick: pick.to_owned(),
+            among: Among::All,
+            consistent: None,
+            given_up_nats_per_row: Some(0.016),
             has_knee: true,
             best: Named::new(["nll", "rmse"], best),
             given_up: Named::new(["nll", "rmse"], given_up),
@@ -255,9 +341,15 @@ mod tests {
 
     #[test]
     fn what_is_given_up_is_said_by_name() {
-        let knee = summary("knee", [100.0, 2.0], [Some(0.032), Some(0.011)]);
-        let line = knee.given_up_line(&point(0, [103.2, 2.022], &["recommended", "knee"]));
-        assert_eq!(line, "knee: nll 3.2 % above its best, rmse 1.1 % above its best");
+        let mut knee = summary("knee", [-100.0, 2.0], [Some(3.2), Some(0.011)]);
+        let member = point(0, [-96.8, 2.022], &["recommended", "knee"]);
+        let line = knee.given_up_line(&member);
+        assert_eq!(line, "knee: nll 3.2 nats above its best (0.016 a row), rmse 1.1 % above its best");
+        (knee.among, knee.consistent) = (Among::ConsistentAndDominating, Some(1));
+        let line = knee.given_up_line(&member);
+        assert!(line.starts_with("knee of the members that are consistent and dominate the baseline: nll 3.2"), "{line}");
+        let text = knee.text(&[member], false);
+        assert!(text.ends_with(" 1 of 1 is consistent (mean NIS in its 95 % band).\n"), "{text}");
         let end = summary("best nll", [-5.0, 1e-9], [Some(0.0), Some(4e7)]);
         let line = end.given_up_line(&point(0, [-5.0, 0.04], &["recommended", "best nll"]));
         assert_eq!(line, "best nll: nll at its best, rmse 0.04 (best 1e-9)");
@@ -291,15 +383,17 @@ mod tests {
             String::from_utf8(out).unwrap()
         };
         let mut points = vec![point(1, [1.5, 2.0], &["best nll"]), point(2, [2.5, 1.0], &["recommended", "knee"])];
-        assert_eq!(written(&points), "q,nll,rmse,marks\n1,1.5,2,best nll\n2,2.5,1,recommended; knee\n");
+        points[1].nis_mean = Some(0.95);
+        let expected = "q,nll,rmse,nis_mean,marks\n1,1.5,2,,best nll\n2,2.5,1,0.95,recommended; knee\n";
+        assert_eq!(written(&points), expected);
         points[1].held_out = Some(Named::new(["nll", "rmse"], [3.5, 4.0]));
         let expected =
-            "q,nll,rmse,held_out.nll,held_out.rmse,marks\n1,1.5,2,,,best nll\n2,2.5,1,3.5,4,recommended; knee\n";
+            "q,nll,rmse,held_out.nll,held_out.rmse,nis_mean,marks\n1,1.5,2,,,,best nll\n2,2.5,1,3.5,4,0.95,recommended; knee\n";
         assert_eq!(written(&points), expected);
         let text = summary("knee", [1.5, 1.0], [None, None]).text(&points, true);
         assert!(text.starts_with("Front, training rows beside held-out rows, f64 (2 members):"), "{text}");
         let line = |i: usize| text.lines().nth(i).map(|line| line.split_whitespace().collect::<Vec<_>>().join(" "));
-        assert_eq!(line(1).as_deref(), Some("nll, training rmse, training nll, held out rmse, held out q"), "{text}");
-        assert_eq!(line(3).as_deref(), Some("2.50000 1.00000 3.50000 4.00000 2 recommended, knee"), "{text}");
+        assert_eq!(line(1).as_deref(), Some("nll, training rmse, training nll, held out rmse, held out NIS q"), "{text}");
+        assert_eq!(line(3).as_deref(), Some("2.50000 1.00000 3.50000 4.00000 0.95 2 recommended, knee"), "{text}");
     }
 }

@@ -27,9 +27,9 @@ pub use consistency::{
 };
 pub use constraint::{ConstraintCheck, constraint_checks, unmet};
 pub use effort::{Effort, LogFacts, Nothing, Scored};
-pub use front::{FrontPoint, FrontSummary, front, write_front};
+pub use front::{FrontPoint, FrontSummary, front, mean_nis, write_front};
 pub use markdown::{Picture, markdown, markdown_without_winner};
-pub use matrices::{Gain, Matrices, Matrix};
+pub use matrices::{Entry, Gain, Matrices, Matrix};
 pub use named::Named;
 pub use number::{count, exact, seconds, short, significant};
 pub use raw::raw_rmse;

@@ -1,6 +1,7 @@
 //! Numbers as text.
 
-/// `value` with `digits` significant digits, as a person writes it: plain between 1e-4 and 1e7, else with an exponent.
+/// `value` with `digits` significant digits, as a person writes it: plain from 1e-4 to 1e7, and beyond that as long as
+/// every digit before the point is one of them; else with an exponent.
 #[must_use]
 pub fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() {
@@ -12,7 +13,8 @@ pub fn significant(value: f64, digits: usize) -> String {
     let scientific = format!("{value:.*e}", digits.saturating_sub(1));
     // The exponent after rounding: 9.9999 with three digits is 1.00e1.
     let exponent: i32 = scientific.split_once('e').and_then(|(_, e)| e.parse().ok()).unwrap_or(0);
-    if !(-4..7).contains(&exponent) {
+    let longest = i32::try_from(digits.min(16)).unwrap_or(16).max(7);
+    if !(-4..longest).contains(&exponent) {
         return scientific;
     }
     let decimals = usize::try_from(i32::try_from(digits).unwrap_or(i32::MAX) - 1 - exponent).unwrap_or(0);
@@ -72,6 +74,9 @@ mod tests {
             (0.008_123_4, 3, "0.00812"),
             (9.9999, 3, "10.0"),
             (1.0e7, 3, "1.00e7"),
+            (12_345_678.9, 8, "12345679"),
+            (12_345_678.9, 7, "1.234568e7"),
+            (1.158_734_9e-23, 3, "1.16e-23"),
             (1_468.5, 2, "1468"),
             (-0.000_012, 3, "-1.20e-5"),
             (0.0, 4, "0"),

@@ -23,11 +23,9 @@ impl fmt::Display for Tuning {
         if let (Some(points), Some(summary)) = (&self.front, &self.front_summary) {
             writeln!(f, "{}", summary.text(points, self.validation.is_some()))?;
         }
-        let gain = match self.matrices.gain {
-            Gain::Steady => "steady gain",
-            Gain::Last => "gain of the last complete measurement",
-        };
-        writeln!(f, "Tuned filter (dt = {} s; K: {gain}):\n{}", short(self.matrices.dt, 6), self.matrices)?;
+        let step = self.matrices.dt.map_or_else(|| "dt varies".to_owned(), |dt| format!("dt = {} s", short(dt, 6)));
+        let gain = if self.matrices.gain == Gain::Steady { "; K: steady gain" } else { "" };
+        writeln!(f, "Tuned filter ({step}{gain}):\n{}", self.matrices)?;
         writeln!(f, "Consistency ({}): {}", self.consistency_on, self.consistency)?;
         writeln!(f, "{}", self.certificate_line())?;
         if let Some(line) = self.polish_line() {

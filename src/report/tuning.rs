@@ -4,9 +4,10 @@ use serde::Serialize;
 
 use super::effort::{objectives, parameters};
 use super::validation::Trained;
+use super::warnings::mixed_units;
 use super::{
     Bound, Consistency, ConstraintCheck, Effort, Evidence, FrontPoint, FrontSummary, Matrices, Named, Rows, Scored,
-    Uncertainty, Validation, Warning, constraint_checks, front, matrices, raw_rmse,
+    Uncertainty, Validation, Warning, constraint_checks, front, raw_rmse,
 };
 use crate::data::{HeldOut, Split};
 use crate::model::Problem;
@@ -98,11 +99,7 @@ impl Tuning {
     ) -> Result<Self, Failure> {
         let log = &split.train;
         let mut evidence = Evidence::new(problem, log);
-        let mut last_gain = None;
-        reference::visit(problem, log, &winner.candidate, &mut |trajectory, step| {
-            evidence.add(trajectory, step);
-            matrices::keep_complete_gain(&mut last_gain, step, log.measurements.len());
-        })?;
+        reference::visit(problem, log, &winner.candidate, &mut |trajectory, step| evidence.add(trajectory, step))?;
         let at_bound = problem
             .parameters
             .searched()
@@ -115,7 +112,7 @@ impl Tuning {
         // How well the parameters are determined is a matter of the rows that determined them.
         consistency.uncertainty = Uncertainty::of(problem, log, &winner.candidate);
         let consistency_on = if held_out.is_some() { Rows::HeldOut } else { Rows::InSample };
-        let (points, summary) = front(problem, outcome, split.held_out.as_ref()).unzip();
+        let (points, summary) = front(problem, outcome, split).unzip();
         let mut tuning = Self {
             parameters: parameters(problem, &winner.candidate),
             at_bound: at_bound.collect(),
@@ -131,11 +128,11 @@ impl Tuning {
             front: points,
             front_summary: summary,
             polish: winner.polish.as_ref().map(|polish| Polish::of(problem, polish)),
-            matrices: Matrices::of(problem, log, &winner.candidate, last_gain),
+            matrices: Matrices::of(problem, log, &winner.candidate),
             raw_measurements: raw.collect(),
             effort,
         };
-        let found = Warning::of(&tuning);
+        let found = [Warning::of(&tuning), mixed_units(problem)].concat();
         tuning.effort.warnings.extend(found.iter().map(ToString::to_string));
         Ok(tuning)
     }

@@ -3,7 +3,10 @@
 use std::fmt;
 
 use super::constraint::misses;
+use super::matrices::differ_in_unit;
 use super::{Tuning, Validation, count, significant};
+use crate::model::Problem;
+use crate::objective::{Kind, Objective};
 use crate::optimize;
 
 /// Relative difference between search and reference above which single precision is worth a warning: ten times what is
@@ -28,6 +31,13 @@ pub enum Warning {
     OneObjective {
         /// Its name.
         algorithm: String,
+    },
+    /// An objective adds squared errors of states whose units differ, because it names no states.
+    MixedUnits {
+        /// `rmse` or `distance`.
+        objective: &'static str,
+        /// The states.
+        states: Vec<String>,
     },
     /// The front has a single member.
     OneMember,
@@ -74,6 +84,17 @@ impl Warning {
         .flatten()
         .collect()
     }
+}
+
+/// Objectives that take the error of every state with truth, where one of these is the rate of another.
+pub(super) fn mixed_units(problem: &Problem) -> Vec<Warning> {
+    let model = &problem.model;
+    let known = |i: &usize| problem.data.truth.iter().any(|(state, _)| *state == model.states[*i]);
+    let states: Vec<usize> = (0..model.states.len()).filter(known).collect();
+    let takes_all = |o: &&Objective| matches!(o.kind, Kind::Rmse | Kind::Distance) && o.states.is_empty();
+    let names = || states.iter().map(|i| model.states[*i].clone()).collect();
+    let mixed = problem.tune.objectives.iter().filter(takes_all).filter(|_| differ_in_unit(problem, &states));
+    mixed.map(|o| Warning::MixedUnits { objective: o.name(), states: names() }).collect()
 }
 
 fn on_held_out(validation: &Validation) -> Option<Warning> {
@@ -129,6 +150,13 @@ impl fmt::Display for Warning {
                 f,
                 "{algorithm} searches for a front, and of one objective there is none (give a second one, or an algorithm \
                  such as pso, which finds one optimum sooner)"
+            ),
+            Self::MixedUnits { objective, states } => write!(
+                f,
+                "{objective} adds the errors of {} as numbers, though their units differ (name those that count: {{ name = \
+                 \"{objective}\", states = [\"{}\"] }})",
+                states.join(", "),
+                states.first().map_or("", String::as_str)
             ),
             Self::OneMember => f.write_str(
                 "the front has one member, which is the best in every objective at once (the objectives do not conflict, \

@@ -21,7 +21,7 @@ pub use checkpoint::{Checkpoint, CheckpointError, CheckpointFile, Identity, Sour
 pub use coordinates::Coordinates;
 pub use error::StudyError;
 pub use finish::{Certificate, Polish};
-pub use front::{FRONT_CAPACITY, Front, FrontMember, Landmarks};
+pub use front::{Among, FRONT_CAPACITY, Front, FrontMember, Landmarks, MeanNis};
 pub use record::{FINALISTS, Generation, Observer, Reached};
 pub use snapshot::Snapshot;
 pub use stop::StopReason;

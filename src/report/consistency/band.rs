@@ -6,15 +6,15 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 ///
 /// The sum of `degrees` degrees of freedom is chi-square; all three numbers are divided by `degrees`. NaN without data.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Band {
-    pub(super) mean: f64,
-    pub(super) low: f64,
-    pub(super) high: f64,
+pub(in crate::report) struct Band {
+    pub(in crate::report) mean: f64,
+    pub(in crate::report) low: f64,
+    pub(in crate::report) high: f64,
 }
 
 impl Band {
     /// Of a sum with `degrees` degrees of freedom.
-    pub(super) fn of(sum: f64, degrees: f64) -> Self {
+    pub(in crate::report) fn of(sum: f64, degrees: f64) -> Self {
         let quantile = |p| ChiSquared::new(degrees).map_or(f64::NAN, |chi2| chi2.inverse_cdf(p) / degrees);
         Self { mean: sum / degrees, low: quantile(0.025), high: quantile(0.975) }
     }

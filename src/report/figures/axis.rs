@@ -15,6 +15,8 @@ pub struct Axis {
     pub(super) log: bool,
     pub(super) whole: bool,
     pub(super) labels: Vec<String>,
+    /// Seconds from 1970 to 0, and seconds in one, where values are instants.
+    pub(super) instants: Option<[f64; 2]>,
     range: Option<[f64; 2]>,
     include: Vec<f64>,
 }
@@ -24,7 +26,7 @@ impl Axis {
     #[must_use]
     pub fn new(name: impl Into<String>) -> Self {
         let (name, labels, include) = (name.into(), Vec::new(), Vec::new());
-        Self { name, unit: None, log: false, whole: false, labels, range: None, include }
+        Self { name, unit: None, log: false, whole: false, labels, instants: None, range: None, include }
     }
 
     /// With a unit.
@@ -60,6 +62,13 @@ impl Axis {
     #[must_use]
     pub const fn whole(mut self) -> Self {
         self.whole = true;
+        self
+    }
+
+    /// Dates and times of day as labels, in UTC: 0 stands for `zero` seconds after 1970, and 1 for `unit` seconds more.
+    #[must_use]
+    pub const fn instants(mut self, zero: f64, unit: f64) -> Self {
+        self.instants = Some([zero, unit]);
         self
     }
 
@@ -131,6 +140,12 @@ impl Scale {
             (false, false) => 1.0,
         };
         Self { low: self.low - half, high: self.high + half, log: self.log }
+    }
+
+    /// Wider on both sides, so that `length` \[px\] shows `per_pixel` each; as it is where that would be less.
+    pub(super) fn widened(self, length: f64, per_pixel: f64) -> Self {
+        let room = (0.5 * (per_pixel * length - (self.high - self.low))).max(0.0);
+        Self { low: self.low - room, high: self.high + room, log: self.log }
     }
 
     /// Where a value stands, 0 at the low and 1 at the high end; `None` for a gap. Values far outside stay finite.

@@ -2,6 +2,8 @@
 
 /// Rows kept of a series; about five times what a picture shows side by side.
 const ROWS: usize = 4000;
+/// Intervals beyond this many times a usual one are gaps in time, across which no line is drawn.
+const GAP: f64 = 10.0;
 
 /// A series over time in at most [`ROWS`] stretches: the first value of each, and the lowest and highest.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,10 +46,11 @@ impl Envelope {
         self.seen += 1;
     }
 
-    /// As a line: up and down in every stretch.
+    /// As a line: up and down in every stretch, broken at gaps in time.
     pub(super) fn line(&self) -> impl Iterator<Item = (f64, f64)> {
         let points = if self.every == 1 { 1 } else { 2 };
-        self.rows.iter().flat_map(move |s| [(s.time, s.low), (s.time, s.high)].into_iter().take(points))
+        let of = move |s: &Stretch| [(s.time, s.low), (s.time, s.high)].into_iter().take(points);
+        broken(&self.rows, |s| s.time, of, (f64::NAN, f64::NAN))
     }
 
     /// As points: of each stretch its ends and one more.
@@ -58,9 +61,14 @@ impl Envelope {
             .flat_map(move |s| [(s.time, s.first), (s.time, s.low), (s.time, s.high)].into_iter().take(points))
     }
 
-    /// As a band.
+    /// As a band, broken at gaps in time.
     pub(super) fn band(&self) -> impl Iterator<Item = (f64, [f64; 2])> {
-        self.rows.iter().map(|s| (s.time, [s.low, s.high]))
+        broken(&self.rows, |s| s.time, |s| std::iter::once((s.time, [s.low, s.high])), (f64::NAN, [f64::NAN; 2]))
+    }
+
+    /// Rows of the log that one drawn stretch stands for.
+    pub(super) const fn every(&self) -> usize {
+        self.every
     }
 
     /// Whether there is any value at all.
@@ -69,9 +77,47 @@ impl Envelope {
     }
 }
 
+/// What `of` makes of each row, with `gap` between rows whose times are much farther apart than usual.
+pub(super) fn broken<R, T: Copy, I: IntoIterator<Item = T>>(
+    rows: &[R],
+    time: impl Fn(&R) -> f64,
+    of: impl Fn(&R) -> I,
+    gap: T,
+) -> impl Iterator<Item = T> {
+    let longest = GAP * usual(rows.windows(2).map(|pair| time(&pair[1]) - time(&pair[0])).collect());
+    let mut drawn = Vec::with_capacity(rows.len());
+    for (i, row) in rows.iter().enumerate() {
+        if i > 0 && time(row) - time(&rows[i - 1]) > longest {
+            drawn.push(gap);
+        }
+        drawn.extend(of(row));
+    }
+    drawn.into_iter()
+}
+
+/// The interval that 19 in 20 do not exceed: one that a log takes now and then, as every weekend, is usual.
+fn usual(mut intervals: Vec<f64>) -> f64 {
+    intervals.sort_by(f64::total_cmp);
+    intervals.get(intervals.len() * 19 / 20).copied().unwrap_or(f64::INFINITY)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_gap_in_time_breaks_the_line_and_a_weekend_does_not() {
+        let drawn = |times: &[f64]| {
+            let mut series = Envelope::new(times.len());
+            times.iter().for_each(|t| series.push(*t, 1.0));
+            let gaps = |all: Vec<f64>| all.iter().filter(|t| t.is_nan()).count();
+            (gaps(series.line().map(|p| p.0).collect()), gaps(series.band().map(|row| row.0).collect()))
+        };
+        let steady: Vec<f64> = (0..100).map(f64::from).collect();
+        let weekends: Vec<f64> = steady.iter().map(|t| t + 2.0 * (t / 5.0).floor()).collect();
+        let away: Vec<f64> = steady.iter().map(|t| if *t < 50.0 { *t } else { t + 40.0 }).collect();
+        assert_eq!([steady, weekends, away].map(|times| drawn(&times)), [(0, 0), (0, 0), (1, 1)]);
+    }
 
     #[test]
     fn a_short_series_stays_as_it_is() {

@@ -1,5 +1,6 @@
 //! Where everything of a figure stands. Room for labels is measured before anything is drawn, so nothing overlaps.
 
+use super::axis::Scale;
 use super::legend::Legend;
 use super::marks::Window;
 use super::panel::{Panel, Shape};
@@ -27,6 +28,8 @@ struct Placed<'a> {
     x: Ticks,
     y: Ticks,
     legend: Legend<'a>,
+    /// What the data ask for, before both axes get one scale.
+    natural: [Scale; 2],
     /// Upper left corner of the plot \[px\].
     corner: (f64, f64),
     /// Whether the name of the x axis is left to the panel below.
@@ -41,17 +44,12 @@ pub(super) fn draw(figure: &Figure) -> Result<String, FigureError> {
     let columns = figure.columns.clamp(1, figure.panels.len());
     let column_width = (figure.width - 2.0 * MARGIN - GAP * (columns - 1) as f64) / columns as f64;
     let mut placed = figure.panels.iter().map(|p| place(p, figure.plot_height)).collect::<Result<Vec<_>, _>>()?;
-    let lefts: Vec<f64> = (0..columns).map(|c| left_margin(&placed, c, columns)).collect();
-    let mut corner = MARGIN;
-    for (column, left) in lefts.iter().enumerate() {
-        let width = (column_width - left - right_margin()).max(NARROWEST);
-        for placed in placed.iter_mut().skip(column).step_by(columns) {
-            placed.spread(width);
-            placed.corner.0 = corner + left;
-        }
-        corner += left + width + right_margin() + GAP;
+    // Where both axes have one scale, the labels of y depend on the width, and the width on those labels.
+    let again = figure.panels.iter().any(|panel| panel.equal);
+    let mut right = across(&mut placed, columns, column_width);
+    if again {
+        right = across(&mut placed, columns, column_width);
     }
-    let right = corner - GAP;
     let shared = Legend::shared(&figure.panels, right - MARGIN);
     let top = MARGIN + title_height(&figure.title, TITLE);
     let bottom = stack(&mut placed, columns, top + shared.as_ref().map_or(0.0, Legend::height), shared.is_some());
@@ -72,14 +70,30 @@ pub(super) fn draw(figure: &Figure) -> Result<String, FigureError> {
     Ok(svg.finish())
 }
 
+/// Gives the columns of panels their places side by side; gives the right end of the last.
+fn across(placed: &mut [Placed<'_>], columns: usize, column_width: f64) -> f64 {
+    let mut corner = MARGIN;
+    for column in 0..columns {
+        let left = left_margin(placed, column, columns);
+        let width = (column_width - left - right_margin()).max(NARROWEST);
+        for placed in placed.iter_mut().skip(column).step_by(columns) {
+            placed.spread(width);
+            placed.corner.0 = corner + left;
+        }
+        corner += left + width + right_margin() + GAP;
+    }
+    corner - GAP
+}
+
 fn place(panel: &Panel, height: f64) -> Result<Placed<'_>, FigureError> {
     // A course over x fills the panel; scattered points have room around them.
-    let scattered = panel.marks.iter().all(|mark| matches!(mark.shape, Shape::Points { .. }));
+    let scattered = panel.equal || panel.marks.iter().all(|mark| matches!(mark.shape, Shape::Points { .. }));
     let x = panel.x.scale(panel.xs(), if scattered { 0.04 } else { 0.0 })?;
     let y = panel.y.scale(panel.ys(), 0.05)?;
     let window = Window { x, y, width: NARROWEST, height };
     let (y, legend) = (Ticks::up(&panel.y, y, height), Legend::default());
-    Ok(Placed { panel, window, x: Ticks::default(), y, legend, corner: (0.0, 0.0), unnamed: false })
+    let natural = [window.x, window.y];
+    Ok(Placed { panel, window, x: Ticks::default(), y, legend, natural, corner: (0.0, 0.0), unnamed: false })
 }
 
 /// Room for names and labels left of the plots of a column.
@@ -135,6 +149,13 @@ impl<'a> Placed<'a> {
     fn spread(&mut self, width: f64) {
         let panel: &'a Panel = self.panel;
         self.window.width = width;
+        if panel.equal && !self.natural.iter().any(|scale| scale.log) {
+            let [x, y] = self.natural;
+            let height = self.window.height;
+            let per_pixel = ((x.high - x.low) / width).max((y.high - y.low) / height);
+            (self.window.x, self.window.y) = (x.widened(width, per_pixel), y.widened(height, per_pixel));
+            self.y = Ticks::up(&panel.y, self.window.y, height);
+        }
         self.x = Ticks::along(&panel.x, self.window.x, width);
         self.legend = Legend::of(&panel.marks, width);
     }

@@ -25,7 +25,10 @@
 mod axis;
 mod contour;
 mod convergence;
+mod dates;
 mod envelope;
+mod extent;
+mod fan;
 mod front;
 mod histogram;
 mod landscape;
@@ -33,6 +36,7 @@ mod layout;
 mod legend;
 mod marks;
 mod panel;
+mod plan;
 mod run_pictures;
 mod run_record;
 mod style;
@@ -42,6 +46,7 @@ mod tests;
 mod text;
 mod thin;
 mod ticks;
+mod track;
 
 pub use axis::Axis;
 pub use contour::Grid;

@@ -13,6 +13,8 @@ pub struct Panel {
     pub(super) x: Axis,
     pub(super) y: Axis,
     pub(super) marks: Vec<Mark>,
+    /// Whether a unit is as long along x as along y.
+    pub(super) equal: bool,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -61,7 +63,14 @@ impl Panel {
     /// An empty panel.
     #[must_use]
     pub const fn new(x: Axis, y: Axis) -> Self {
-        Self { title: String::new(), x, y, marks: Vec::new() }
+        Self { title: String::new(), x, y, marks: Vec::new(), equal: false }
+    }
+
+    /// One scale for both axes, as of a map: the one with room to spare shows more. Log axes stay as they are.
+    #[must_use]
+    pub const fn equal(mut self) -> Self {
+        self.equal = true;
+        self
     }
 
     /// With a title of its own.

@@ -1,10 +1,13 @@
 //! The pictures of one filter run.
 
 use super::envelope::Envelope;
-use super::run_record::{MOST, MeasurementSeries, RunRecord, StateSeries, Track};
+use super::extent::{hides_the_rest, lowest_usual, of_course, without_outliers};
+use super::run_record::{MOST, RunRecord};
+use super::track::{MeasurementSeries, StateSeries, Track};
 use super::{Axis, Colour, Dash, Figure, Marker, Panel, Stroke};
+use crate::data::Log;
 use crate::model::{Problem, SplitBy};
-use crate::report::{Whiteness, significant};
+use crate::report::{Whiteness, count, significant};
 
 const MEASURED: (Marker, Colour) = (Marker::Dot, Colour::Grey);
 const ESTIMATE: Stroke = Stroke::new(Colour::Black);
@@ -38,10 +41,10 @@ impl RunRecord<'_> {
         let others = measured.into_iter().flatten().chain(series.truth.line()).chain(series.estimate.line());
         let name = &self.problem.model.states[state];
         let axis = of_course(Axis::new(name), others.map(|point| point.1), &series.band);
-        let mut panel = Panel::new(time_axis(self.problem), axis);
+        let mut panel = Panel::new(time_axis(self.problem, self.log), axis);
         panel = panel.band("3-sigma band", Colour::Blue, series.band.band());
         if let Some(measurement) = measurement {
-            panel = panel.points("measured", MEASURED, measurement.measured.points());
+            panel = panel.points(&measured_label(&measurement.measured), MEASURED, measurement.measured.points());
         }
         if series.truth.has_values() {
             panel = panel.line("truth", TRUTH, series.truth.line());
@@ -55,9 +58,9 @@ impl RunRecord<'_> {
     fn measurement(&self, series: &MeasurementSeries, i: usize) -> Panel {
         let others = series.measured.points().chain(series.predicted.line()).map(|point| point.1);
         let axis = of_course(Axis::new(&self.log.measurements[i]), others, &series.predicted_band);
-        Panel::new(time_axis(self.problem), axis)
+        Panel::new(time_axis(self.problem, self.log), axis)
             .band("3-sigma band", Colour::Blue, series.predicted_band.band())
-            .points("measured", MEASURED, series.measured.points())
+            .points(&measured_label(&series.measured), MEASURED, series.measured.points())
             .line("predicted", ESTIMATE, series.predicted.line())
     }
 
@@ -70,10 +73,15 @@ impl RunRecord<'_> {
         let panel = |(i, series): (usize, &StateSeries)| {
             let errors = without_outliers(series.error.line().map(|point| point.1).collect());
             let axis = Axis::new(format!("error of {}", self.problem.model.states[i]));
-            Panel::new(time_axis(self.problem), of_course(axis, errors.into_iter(), &series.deviation))
-                .band("± 3 standard deviations", Colour::Blue, series.deviation.band())
-                .horizontal("", Stroke::new(Colour::Grey).width(1.0), 0.0)
-                .line("estimate minus truth", ESTIMATE, series.error.line())
+            let share = significant(series.within.per_cent(), 3);
+            let panel = Panel::new(time_axis(self.problem, self.log), of_course(axis, errors.into_iter(), &series.deviation))
+                .title(format!("{share} % of {} within 3 standard deviations", self.rows_of(series.within.rows)))
+                .band("± 3 standard deviations", Colour::Blue, series.deviation.band());
+            let panel = match &series.error_fan {
+                Some(fan) => fan.draw(panel, true),
+                None => panel.line("estimate minus truth", ESTIMATE, series.error.line()),
+            };
+            panel.horizontal("", Stroke::new(Colour::Grey).width(1.0), 0.0)
         };
         let figure = (!with_truth.is_empty()).then(|| self.figure("estimation errors"));
         figure.map(|figure| figure.panels(with_truth.into_iter().map(panel).map(|panel| self.with_boundary(panel))))
@@ -87,16 +95,45 @@ impl RunRecord<'_> {
         let left_out = if shown < all { format!(", first {shown} of {all} measurements") } else { String::new() };
         let figure = self.figure(&format!("innovations{left_out}"));
         let Some(track) = self.track() else { return figure.panel(self.empty("innovation")) };
-        let panel = |(name, series): (&String, &MeasurementSeries)| {
-            let values = series.innovation.points().map(|point| point.1);
-            let axis = of_course(Axis::new(format!("innovation of {name}")), values, &series.band);
-            Panel::new(time_axis(self.problem), axis)
-                .band("± 2 sqrt(S)", Colour::Blue, series.band.band())
-                .points("innovation", (Marker::Dot, Colour::Black), series.innovation.points())
-                .horizontal("", Stroke::new(Colour::Grey).width(1.0), 0.0)
-        };
-        let panels = self.log.measurements.iter().zip(&track.measurements).map(panel);
+        // One picture has one kind of axis.
+        let normalised = track.measurements.iter().any(hides_the_rest);
+        let panels = self.log.measurements.iter().zip(&track.measurements);
+        let panels = panels.map(|(name, series)| self.innovation(name, series, normalised));
         figure.panels(panels.map(|panel| self.with_boundary(panel)))
+    }
+
+    /// Innovations of one measurement; divided by sqrt(S) where `normalised`.
+    fn innovation(&self, name: &str, series: &MeasurementSeries, normalised: bool) -> Panel {
+        let (values, fan) = match normalised {
+            true => (&series.normalised, &series.normalised_fan),
+            false => (&series.innovation, &series.fan),
+        };
+        let share = significant(series.within.per_cent(), 3);
+        let title = format!("{share} % of {} within 2 sqrt(S), of a right filter 95 %", self.rows_of(series.within.rows));
+        let points = values.points().map(|point| point.1);
+        let axis = Axis::new(format!("innovation of {name}{}", if normalised { " / sqrt(S)" } else { "" }));
+        let axis = if normalised { axis.including(-2.5).including(2.5) } else { of_course(axis, points, &series.band) };
+        let mut panel = Panel::new(time_axis(self.problem, self.log), axis).title(title);
+        if !normalised && fan.is_none() {
+            panel = panel.band("± 2 sqrt(S)", Colour::Blue, series.band.band());
+        }
+        panel = match fan {
+            Some(fan) => fan.draw(panel, true),
+            None => panel.points("innovation", (Marker::Dot, Colour::Black), values.points()),
+        };
+        panel = match (normalised, fan) {
+            (true, _) => panel.horizontal("± 2", LIMIT, 2.0).horizontal("", LIMIT, -2.0),
+            (false, Some(_)) => edges(panel, "± 2 sqrt(S)", &series.band),
+            (false, None) => panel,
+        };
+        panel.horizontal("", Stroke::new(Colour::Grey).width(1.0), 0.0)
+    }
+
+    /// The course over the plane, where two states are a place; `None` where none are.
+    #[must_use]
+    pub fn plan(&self) -> Option<Figure> {
+        let plan = self.track()?.plan.as_ref()?;
+        Some(plan.draw(self.figure("track from above"), self.problem, [TRUTH, SMOOTHED]))
     }
 
     /// NIS over time with the band that holds 95 % of it if the filter is right.
@@ -105,22 +142,27 @@ impl RunRecord<'_> {
         let nis = self.nis;
         let mean = significant(nis.sum / nis.components.max(1) as f64, 3);
         let inside = 100.0 * nis.inside as f64 / nis.rows.max(1) as f64;
-        let rows = if nis.rows == 1 { "row" } else { "rows" };
         let figure = self.figure("NIS").size(760.0, 260.0);
         let axis = Axis::new("NIS").log();
         let Some(track) = self.track().filter(|_| nis.rows > 0) else { return figure.panel(self.empty("NIS")) };
         // The lowest NIS of a long log tell nothing, but would take most of the height; where most are below the band
         // they are what there is to see.
         let low = track.nis_band.band().map(|(_, [low, _])| low).fold(f64::INFINITY, f64::min) / 30.0;
-        let low = low.min(lowest_usual(track.nis.line().map(|(_, nis)| nis)) / 2.0);
+        let low = low.min(match &track.nis_fan {
+            Some(fan) => lowest_usual(fan.values()),
+            None => lowest_usual(track.nis.line().map(|(_, nis)| nis)) / 2.0,
+        });
         let high = track.nis_band.band().map(|(_, [_, high])| high).fold(f64::NEG_INFINITY, f64::max);
         let high = track.nis.line().map(|(_, nis)| nis).filter(|nis| nis.is_finite()).fold(high, f64::max) * 1.5;
         let axis = if 0.0 < low && low < high && high < 1e300 { axis.range(low, high) } else { axis };
-        let held_out = if self.held_out_by().is_some() { "held-out " } else { "" };
-        let panel = Panel::new(time_axis(self.problem), axis)
-            .title(format!("mean {mean} a component; {inside:.1} % of {} {held_out}{rows} in the band", nis.rows))
-            .band("95 % band", Colour::Blue, track.nis_band.band())
-            .points("NIS", (Marker::Dot, Colour::Black), track.nis.points());
+        let panel = Panel::new(time_axis(self.problem, self.log), axis)
+            .title(format!("mean {mean} a component; {inside:.1} % of {} in the band", self.rows_of(nis.rows)));
+        let panel = match &track.nis_fan {
+            Some(fan) => edges(fan.draw(panel, false), "95 % band", &track.nis_band),
+            None => panel
+                .band("95 % band", Colour::Blue, track.nis_band.band())
+                .points("NIS", (Marker::Dot, Colour::Black), track.nis.points()),
+        };
         figure.panel(self.with_boundary(panel))
     }
 
@@ -192,49 +234,34 @@ impl RunRecord<'_> {
         }
     }
 
+    /// "1 200 held-out rows", for a title.
+    fn rows_of(&self, rows: usize) -> String {
+        let held_out = if self.held_out_by().is_some() { "held-out " } else { "" };
+        format!("{} {held_out}{}", count(rows as u64), if rows == 1 { "row" } else { "rows" })
+    }
+
     /// Which rows count, for a title.
     fn rows(&self) -> &'static str {
         if self.held_out_by().is_some() { " of the held-out rows" } else { "" }
     }
 
     fn empty(&self, y: &str) -> Panel {
-        Panel::new(time_axis(self.problem), Axis::new(y))
+        Panel::new(time_axis(self.problem, self.log), Axis::new(y))
     }
 }
 
-/// An axis that shows all values, and of their band what is near: a wide P0 would leave little room for the rest.
-fn of_course(axis: Axis, values: impl Iterator<Item = f64>, band: &Envelope) -> Axis {
-    let ends = |values: &mut dyn Iterator<Item = f64>| {
-        let usable = values.filter(|v| v.abs() < 1e300);
-        usable.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)])
-    };
-    let [low, high] = ends(&mut values.into_iter());
-    // Where the band settles: its width is below three times the median one in all but the first rows.
-    let mut widths: Vec<f64> = band.band().map(|(_, [low, high])| high - low).filter(|w| w.is_finite()).collect();
-    widths.sort_by(f64::total_cmp);
-    let settled = 3.0 * widths.get(widths.len() / 2).copied().unwrap_or(f64::INFINITY);
-    let near = band.band().map(|(_, edges)| edges).filter(|[low, high]| high - low <= settled);
-    let [band_low, band_high] = ends(&mut near.flatten());
-    let (low, high) = (low.min(band_low), high.max(band_high));
-    let room = 0.05 * (high - low);
-    // Constant values, or none, are left to the axis.
-    if room > 1e-9 * low.abs().max(high.abs()) && room < 1e299 { axis.range(low - room, high + room) } else { axis }
+/// The edges of a band as lines, for where areas stand for something else.
+fn edges(panel: Panel, label: &str, band: &Envelope) -> Panel {
+    let [low, high] = [0, 1].map(|i| band.band().map(move |(time, edges)| (time, edges[i])));
+    panel.line(label, LIMIT, high).line("", LIMIT, low)
 }
 
-/// The value that one in twenty of the positive ones is below; infinite if there is none.
-fn lowest_usual(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.filter(|v| (1e-300..1e300).contains(v)).collect();
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 20).copied().unwrap_or(f64::INFINITY)
-}
-
-/// Errors but for the few far beyond all others, as those of a wrong x0 are in the first rows.
-fn without_outliers(mut errors: Vec<f64>) -> Vec<f64> {
-    errors.retain(|error| error.abs() < 1e300);
-    errors.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
-    let usual = errors.get(errors.len() * 95 / 100).map_or(0.0, |error| error.abs());
-    errors.retain(|error| error.abs() <= 5.0 * usual);
-    errors
+/// "measured", or what of it a picture can hold.
+fn measured_label(series: &Envelope) -> String {
+    match series.every() {
+        1 => "measured".to_owned(),
+        every => format!("measured, the extremes of every {} rows", count(every as u64)),
+    }
 }
 
 /// `nile: innovations`, after the problem file's name.
@@ -247,12 +274,18 @@ pub fn titled(problem: &Problem, what: &str) -> String {
     }
 }
 
-/// Time: a column named after it is in seconds, and one such as `year` or `k` counts what its name says.
-fn time_axis(problem: &Problem) -> Axis {
-    match problem.data.time.as_deref() {
+/// Epochs in seconds, from 2001 to 2128. A smaller number, such as a year, is what its column says.
+const EPOCHS: std::ops::Range<f64> = 1e9..5e9;
+
+/// Time: a column named after it is in seconds, and one such as `year` or `k` counts what its name says. Seconds of Unix
+/// time are dates.
+fn time_axis(problem: &Problem, log: &Log) -> Axis {
+    let axis = match problem.data.time.as_deref() {
         None => Axis::new("row"),
         Some("t" | "time" | "T" | "Time") => Axis::new("time").unit("s"),
         Some(column) if column.to_lowercase().starts_with("time") => Axis::new(column).unit("s"),
         Some(column) => Axis::new(column),
-    }
+    };
+    let first = log.trajectories.first().and_then(|trajectory| trajectory.time.first());
+    if first.is_some_and(|time| EPOCHS.contains(time)) { axis.instants(0.0, 1.0) } else { axis }
 }

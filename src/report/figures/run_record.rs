@@ -2,9 +2,10 @@
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use super::envelope::Envelope;
 use super::histogram::Histogram;
-use crate::data::{HeldOut, Log, Trajectory};
+use super::plan::Axes;
+use super::track::Track;
+use crate::data::{HeldOut, Log};
 use crate::model::{ExprKind, Model, Problem, SplitBy, Symbol};
 use crate::reference::{Estimate, Step, Update};
 use crate::report::consistency::normalised;
@@ -26,6 +27,8 @@ pub struct RunRecord<'a> {
     pub(super) measured_as: Vec<Option<usize>>,
     /// 95 % of NIS with 0, 1, 2, ... components lie in these.
     bands: Vec<[f64; 2]>,
+    /// The states that are a place on a plane.
+    pub(super) axes: Option<Axes>,
     /// Normalised innovations by measurement.
     pub(super) histograms: Vec<Histogram>,
     pub(super) nis: Nis,
@@ -43,44 +46,6 @@ pub(super) struct Nis {
     pub(super) inside: usize,
 }
 
-/// One trajectory over time.
-#[derive(Debug, Clone)]
-pub(super) struct Track {
-    pub(super) trajectory: usize,
-    nis_sum: f64,
-    components: usize,
-    pub(super) states: Vec<StateSeries>,
-    pub(super) measurements: Vec<MeasurementSeries>,
-    pub(super) nis: Envelope,
-    pub(super) nis_band: Envelope,
-}
-
-#[derive(Debug, Clone)]
-pub(super) struct StateSeries {
-    pub(super) estimate: Envelope,
-    /// Plus and minus three standard deviations.
-    pub(super) band: Envelope,
-    /// Column of truth in the log.
-    truth_column: Option<usize>,
-    pub(super) truth: Envelope,
-    /// Estimate minus truth, and plus and minus three standard deviations.
-    pub(super) error: Envelope,
-    pub(super) deviation: Envelope,
-    pub(super) smoothed: Envelope,
-}
-
-#[derive(Debug, Clone)]
-pub(super) struct MeasurementSeries {
-    pub(super) measured: Envelope,
-    /// What the filter expected.
-    pub(super) predicted: Envelope,
-    /// Plus and minus three of its standard deviations.
-    pub(super) predicted_band: Envelope,
-    pub(super) innovation: Envelope,
-    /// Plus and minus two standard deviations.
-    pub(super) band: Envelope,
-}
-
 impl<'a> RunRecord<'a> {
     /// Nothing yet, for a run of `problem` over `log`.
     #[must_use]
@@ -93,6 +58,7 @@ impl<'a> RunRecord<'a> {
             held_out: None,
             measured_as: (0..states).map(|state| measurement_of(&problem.model, state)).collect(),
             bands: (0..=m).map(nis_band).collect(),
+            axes: Axes::of(problem, log),
             histograms: vec![Histogram::default(); m],
             nis: Nis::default(),
             current: None,
@@ -113,7 +79,7 @@ impl<'a> RunRecord<'a> {
     pub fn add(&mut self, trajectory: usize, step: &Step) {
         if self.current.as_ref().is_none_or(|track| track.trajectory != trajectory) {
             self.close();
-            self.current = Some(Track::new(trajectory, self.log, &self.problem.model.states));
+            self.current = Some(Track::new(trajectory, self.log, &self.problem.model.states, self.axes));
         }
         let band = step.update.as_ref().and_then(|update| self.bands.get(update.present.len())).copied();
         let counts = self.held_out.is_none_or(|held_out| step.row >= held_out.from[trajectory]);
@@ -121,8 +87,7 @@ impl<'a> RunRecord<'a> {
             self.judge(update, band);
         }
         if let Some(track) = &mut self.current {
-            track.count(step.update.as_ref().filter(|_| counts));
-            track.add(self.log, step, band);
+            track.add(self.log, step, band, counts);
         }
     }
 
@@ -138,7 +103,8 @@ impl<'a> RunRecord<'a> {
 
     /// Ends a trajectory: the one with the largest mean NIS stays, the first of equals.
     fn close(&mut self) {
-        if let Some(track) = self.current.take() {
+        if let Some(mut track) = self.current.take() {
+            track.close();
             let worse = self.worst.as_ref().is_none_or(|worst| track.mean_nis() > worst.mean_nis());
             if worse {
                 self.worst = Some(track);
@@ -155,9 +121,12 @@ impl<'a> RunRecord<'a> {
     /// The smoothed estimates of the trajectory that [`Self::finish`] gave, in order of time.
     pub fn add_smoothed<'e>(&mut self, rows: impl IntoIterator<Item = (f64, &'e Estimate)>) {
         let Some(track) = &mut self.worst else { return };
-        for (time, estimate) in rows {
+        for (row, (time, estimate)) in rows.into_iter().enumerate() {
             let states = track.states.iter_mut().zip(&estimate.x);
             states.for_each(|(series, value)| series.smoothed.push(time, *value));
+            if let Some(plan) = &mut track.plan {
+                plan.add_smoothed(row, estimate);
+            }
         }
     }
 
@@ -177,75 +146,6 @@ impl<'a> RunRecord<'a> {
         let first = held_out.from[track.trajectory];
         let before = times.get(first.checked_sub(1)?)?;
         Some(before.midpoint(*times.get(first)?))
-    }
-}
-
-impl Track {
-    fn new(trajectory: usize, log: &Log, states: &[String]) -> Self {
-        let of: &Trajectory = &log.trajectories[trajectory];
-        let new = || Envelope::new(of.len());
-        let state = |name: &String| {
-            let truth_column = log.truth.iter().position(|truth| truth == name);
-            let (truth, error, deviation) = (new(), new(), new());
-            let (estimate, band, smoothed) = (new(), new(), new());
-            StateSeries { estimate, band, truth_column, truth, error, deviation, smoothed }
-        };
-        let measurement = || MeasurementSeries {
-            measured: new(),
-            predicted: new(),
-            predicted_band: new(),
-            innovation: new(),
-            band: new(),
-        };
-        Self {
-            trajectory,
-            nis_sum: 0.0,
-            components: 0,
-            states: states.iter().take(MOST).map(state).collect(),
-            measurements: std::iter::repeat_with(measurement).take(of.z.columns().min(MOST)).collect(),
-            nis: new(),
-            nis_band: new(),
-        }
-    }
-
-    /// NaN is never the worst.
-    fn mean_nis(&self) -> f64 {
-        if self.components == 0 { f64::NEG_INFINITY } else { self.nis_sum / self.components as f64 }
-    }
-
-    fn count(&mut self, update: Option<&Update>) {
-        self.nis_sum += update.map_or(0.0, |update| update.nis);
-        self.components += update.map_or(0, |update| update.present.len());
-    }
-
-    fn add(&mut self, log: &Log, step: &Step, band: Option<[f64; 2]>) {
-        let (time, trajectory) = (step.time, &log.trajectories[self.trajectory]);
-        for (i, series) in self.states.iter_mut().enumerate() {
-            let (x, deviation) = (step.posterior.x[i], step.posterior.p[(i, i)].sqrt());
-            series.estimate.push(time, x);
-            series.band.push_band(time, [x - 3.0 * deviation, x + 3.0 * deviation]);
-            if let Some(column) = series.truth_column {
-                let truth = trajectory.truth.row(step.row)[column];
-                series.truth.push(time, truth);
-                series.error.push(time, x - truth);
-                series.deviation.push_band(time, [-3.0 * deviation, 3.0 * deviation]);
-            }
-        }
-        for (series, z) in self.measurements.iter_mut().zip(trajectory.z.row(step.row)) {
-            series.measured.push(time, *z);
-        }
-        let Some(update) = &step.update else { return };
-        self.nis.push(time, update.nis);
-        self.nis_band.push_band(time, band.unwrap_or([f64::NAN; 2]));
-        for (at, &i) in update.present.iter().enumerate().filter(|(_, i)| **i < MOST) {
-            let (nu, deviation) = (update.nu[at], update.s[(at, at)].sqrt());
-            let predicted = trajectory.z.row(step.row)[i] - nu;
-            let series = &mut self.measurements[i];
-            series.innovation.push(time, nu);
-            series.band.push_band(time, [-2.0 * deviation, 2.0 * deviation]);
-            series.predicted.push(time, predicted);
-            series.predicted_band.push_band(time, [predicted - 3.0 * deviation, predicted + 3.0 * deviation]);
-        }
     }
 }
 

@@ -7,18 +7,20 @@ pub enum Colour {
     Black,
     Blue,
     Red,
+    Steel,
     Grey,
     Amber,
     Pale,
 }
 
 impl Colour {
-    /// As SVG writes it. Lightness L* of CIELAB: 0, 34, 50, 62, 75, 88.
+    /// As SVG writes it. Lightness L* of CIELAB: 0, 34, 50, 52, 62, 75, 88.
     pub(super) const fn hex(self) -> &'static str {
         match self {
             Self::Black => "#000000",
             Self::Blue => "#1b4f9c",
             Self::Red => "#cc4125",
+            Self::Steel => "#6a7d93",
             Self::Grey => "#969696",
             Self::Amber => "#eeac2e",
             Self::Pale => "#dcdcdc",
@@ -31,6 +33,7 @@ impl Colour {
             Self::Black => "#cfcfcf",
             Self::Blue => "#c4d6f0",
             Self::Red => "#f6d3c9",
+            Self::Steel => "#a9b8c9",
             Self::Grey => "#e0e0e0",
             Self::Amber => "#fbe8bf",
             Self::Pale => "#f0f0f0",
@@ -111,6 +114,8 @@ impl Stroke {
 pub enum Marker {
     /// Filled circle, 4 px, for many points.
     Dot,
+    /// Filled circle, 2 px, for what stands beside an area.
+    Speck,
     /// Filled circle, 8 px.
     Disc,
     /// Open circle.
@@ -139,6 +144,7 @@ impl Marker {
     pub(super) const fn line(self) -> f64 {
         match self {
             Self::Dot => 4.0,
+            Self::Speck => 2.0,
             Self::Disc => 8.0,
             Self::Circle | Self::Square => 1.5,
             Self::Cross | Self::Plus | Self::Ring => 2.0,
@@ -149,7 +155,7 @@ impl Marker {
     /// The rest of its path after moving to the centre.
     pub(super) const fn path(self) -> &'static str {
         match self {
-            Self::Dot | Self::Disc => "h0",
+            Self::Dot | Self::Speck | Self::Disc => "h0",
             Self::Circle => "m-3.6 0a3.6 3.6 0 1 0 7.2 0a3.6 3.6 0 1 0-7.2 0",
             Self::Ring => "m-8 0a8 8 0 1 0 16 0a8 8 0 1 0-16 0",
             Self::Cross => "m-5-5l10 10m0-10l-10 10",

@@ -1,7 +1,7 @@
 //! Ticks: round values, and labels that are short whatever the range.
 
 use super::axis::{Axis, Scale};
-use super::text;
+use super::{dates, text};
 
 /// Size of tick labels \[px\].
 pub(super) const LABEL: f64 = 12.0;
@@ -25,17 +25,27 @@ impl Ticks {
         if !axis.labels.is_empty() {
             return Self::named(axis, scale, length);
         }
-        let mut ticks = Self::at_most(axis, scale, 9);
-        for most in (2..9).rev() {
-            if ticks.have_room(length) {
-                return ticks;
-            }
-            ticks = Self::at_most(axis, scale, most);
+        let mut usual = (2..10).rev().map(|most| Self::at_most(axis, scale, most));
+        if let Some(ticks) = usual.find(|ticks| ticks.major.len() > 1 && ticks.have_room(length)) {
+            return ticks;
         }
-        if !ticks.have_room(length) {
+        // One label says nothing of the scale. Of closer steps the outermost two have room before all have.
+        let mut closer = (3..60).map(|most| Self::at_most(axis, scale, most).outermost());
+        closer.find(|ticks| ticks.major.len() > 1 && ticks.have_room(length)).unwrap_or_else(|| {
+            let mut ticks = Self::at_most(axis, scale, 2);
             ticks.major.truncate(1);
+            ticks
+        })
+    }
+
+    /// With labels at the first and the last tick alone.
+    fn outermost(mut self) -> Self {
+        if self.major.len() > 2 {
+            let last = self.major.len() - 1;
+            let between = self.major.drain(1..last).map(|(place, _)| place);
+            self.minor.extend(between);
         }
-        ticks
+        self
     }
 
     /// At 0, 1, 2, ... with the labels that the axis was given, shortened where they would touch.
@@ -54,8 +64,9 @@ impl Ticks {
             return ticks;
         }
         // The next smaller step puts at most five where there were two.
-        let mut closer = (most + 1..=3 * most).map(|most| Self::at_most(axis, scale, most));
-        closer.find(|ticks| ticks.major.len() >= LEAST).unwrap_or(ticks)
+        let closer = || (most + 1..=3 * most).map(|most| Self::at_most(axis, scale, most));
+        let with = |least: usize| closer().find(|ticks| ticks.major.len() >= least);
+        with(LEAST).or_else(|| with(2).filter(|_| ticks.major.len() < 2)).unwrap_or(ticks)
     }
 
     /// Width of the widest label \[px\].
@@ -72,6 +83,9 @@ impl Ticks {
     }
 
     fn at_most(axis: &Axis, scale: Scale, most: usize) -> Self {
+        if let Some((major, name)) = axis.instants.and_then(|clock| dates::ticks(&axis.name, clock, scale, most)) {
+            return Self { major, minor: Vec::new(), name };
+        }
         if scale.log {
             let name = named(axis, 0.0, 0);
             if let Some((major, minor)) = decades(scale, most) {
@@ -228,6 +242,27 @@ mod tests {
         let counts = Axis::new("failed").whole();
         let ticks = Ticks::up(&counts, counts.scale([0.0, 1.0].into_iter(), 0.0).unwrap(), 150.0);
         assert_eq!(ticks.major.len(), 2, "no ticks between 0 and 1: {ticks:?}");
+    }
+
+    /// Whatever the range, an axis as wide as the narrowest panel or as high as the lowest says its scale.
+    #[test]
+    fn an_axis_has_two_labels_at_least() {
+        let mut x = 0.37_f64;
+        for i in 0..4000 {
+            // A logistic map scatters the ranges the same way on every machine.
+            x = 3.99 * x * (1.0 - x);
+            let low = 10f64.powi(i % 13 - 6) * (0.2 + x);
+            let high = low * (1.0 + 10f64.powf(-3.5 + 6.0 * ((f64::from(i) * 0.618).fract())));
+            for axis in [Axis::new("r"), Axis::new("r").log()] {
+                let scale = axis.scale([low, high].into_iter(), 0.0).unwrap();
+                for length in [130.0, 300.0, 680.0] {
+                    let ticks = Ticks::along(&axis, scale, length);
+                    assert!(ticks.major.len() > 1 && ticks.have_room(length), "{low} to {high}: {ticks:?}");
+                }
+                let ticks = Ticks::up(&axis, scale, 150.0);
+                assert!(ticks.major.len() > 1, "{low} to {high}: {ticks:?}");
+            }
+        }
     }
 
     #[test]

@@ -2,10 +2,10 @@
 
 use super::{Picture, plain, table};
 use crate::report::constraint::cells;
-use crate::report::front::{held_out_cells, objective_columns};
+use crate::report::front::{held_out_cells, nis_cell, objective_columns};
 use crate::report::text::ended;
 use crate::report::validation::improvement_text;
-use crate::report::{ConstraintCheck, Effort, Gain, Named, Rows, Tuning, count, seconds, short, significant};
+use crate::report::{ConstraintCheck, Effort, Gain, Matrices, Named, Rows, Tuning, count, seconds, short, significant};
 
 /// Digits of parameters and objectives.
 const DIGITS: usize = 8;
@@ -114,6 +114,7 @@ pub(super) fn front(tuning: &Tuning) -> Option<String> {
     let first = points.first()?;
     let validated = tuning.validation.is_some();
     let mut header = objective_columns(first, validated);
+    header.push("mean NIS".to_owned());
     header.extend(first.parameters.iter().map(|(name, _)| name.to_owned()));
     header.iter_mut().for_each(|name| *name = plain(name));
     header.push("mark".to_owned());
@@ -122,13 +123,14 @@ pub(super) fn front(tuning: &Tuning) -> Option<String> {
         let values = |named: &Named<f64>| named.iter().map(|(_, value)| short(*value, 6)).collect::<Vec<_>>();
         let held_out = held_out_cells(&points[i], validated, 6).collect();
         let marks = vec![plain(&points[i].marks.join(", "))];
-        [values(&points[i].objectives), held_out, values(&points[i].parameters), marks].concat()
+        let nis = vec![nis_cell(&points[i])];
+        [values(&points[i].objectives), held_out, nis, values(&points[i].parameters), marks].concat()
     };
     let rows: Vec<Vec<String>> = (0..points.len()).filter(shown).map(row).collect();
     let recommended = points.iter().find(|p| p.marks.first().is_some_and(|mark| mark == "recommended"));
     let line = recommended
         .map_or_else(String::new, |point| format!("\n\nRecommended: {}.", plain(&summary.given_up_line(point))));
-    let baseline = summary.baseline_line(points.len());
+    let baseline = format!("{}{}", summary.baseline_line(points.len()), summary.consistent_line(points.len()));
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
     let listed = if rows.len() < points.len() { ". Those with a mark are listed; front.csv has all" } else { "" };
     let meaning = match points.len() {
@@ -187,15 +189,13 @@ pub(super) fn pictures(pictures: &[Picture]) -> Option<String> {
 }
 
 pub(super) fn filter(tuning: &Tuning) -> Option<String> {
-    let gain = match tuning.matrices.gain {
-        Gain::Steady => "K is the steady gain",
-        Gain::Last => "K is the gain of the last complete measurement",
-    };
-    let dt = short(tuning.matrices.dt, 6);
-    let matrices = tuning.matrices.to_string();
+    let Matrices { dt, gain, varies, .. } = &tuning.matrices;
+    let step = dt.map_or_else(|| "For steps of any length dt".to_owned(), |dt| format!("For a step of {} s", short(dt, 6)));
+    let formulas = if varies.is_empty() { "" } else { "; what changes from row to row is a formula" };
+    let gain = if *gain == Gain::Steady { "; K is the gain that the filter settles to" } else { "" };
     Some(format!(
-        "## The tuned filter\n\nFor a step of {dt} s; {gain}. `tuned.toml` in this folder runs as a problem file.\n\n```text\n{}\n```",
-        matrices.trim_end()
+        "## The tuned filter\n\n{step}{formulas}{gain}. `tuned.toml` in this folder runs as a problem file.\n\n```text\n{}\n```",
+        tuning.matrices.to_string().trim_end()
     ))
 }
 

@@ -57,6 +57,7 @@ fn member(search: &Scored, exact: &Verdict) -> FrontMember {
         costs_search: search.costs.clone(),
         objectives: exact.objectives.clone(),
         constraints: exact.constraints.clone(),
+        nis: None,
     }
 }
 

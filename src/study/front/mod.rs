@@ -2,6 +2,7 @@
 
 mod certify;
 mod pick;
+mod prefer;
 mod prune;
 #[cfg(test)]
 mod study;
@@ -16,6 +17,7 @@ use crate::optimize::indicators::hypervolume;
 
 pub(super) use certify::{Certified, certify};
 pub use pick::Landmarks;
+pub use prefer::{Among, MeanNis};
 
 /// Members that the front of a study keeps; of more, those with the most room around them. Each is scored once more by
 /// the f64 reference.
@@ -32,6 +34,8 @@ pub struct FrontMember {
     pub objectives: Vec<f64>,
     /// What the constraints bound, by the oracle, in their order; all of them are met.
     pub constraints: Vec<f64>,
+    /// Its mean NIS, once [`super::Outcome::prefer_consistent`] has asked for it.
+    pub nis: Option<MeanNis>,
 }
 
 /// The running front of a search, whatever the optimiser: no member is as good as another in every objective.

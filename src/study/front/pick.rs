@@ -1,5 +1,6 @@
 //! Which member of a front to take.
 
+use super::Among;
 use crate::model::Pick;
 
 /// Places on a front that have a name, as indices of its members.
@@ -14,6 +15,8 @@ pub struct Landmarks {
     pub ends: Vec<usize>,
     /// What the problem asks for.
     pub recommended: usize,
+    /// The members that the recommended one was chosen from; all, before [`crate::study::Outcome::prefer_consistent`].
+    pub among: Among,
 }
 
 impl Landmarks {
@@ -31,10 +34,10 @@ impl Landmarks {
         let scaled = scaled(front);
         let sum = |u: &[f64]| u.iter().sum::<f64>();
         let ends: Vec<usize> = (0..objectives).filter_map(|j| best(&scaled, |u| (u[j], sum(u)))).collect();
-        let knee = best(&scaled, |u| (sum(u), largest(u)))?;
+        let nearest = best(&scaled, |u| (sum(u), largest(u)))?;
         // The ends themselves lie on the plane, but for rounding.
-        let has_knee = objectives < 2 || sum(&scaled[knee]) < 1.0 - 1e-9;
-        let knee = if has_knee { knee } else { best(&scaled, |u| (largest(u), sum(u)))? };
+        let has_knee = objectives < 2 || sum(&scaled[nearest]) < 1.0 - 1e-9;
+        let knee = knee_of(front, has_knee, &vec![true; front.len()])?;
         let recommended = match pick {
             Pick::Knee => knee,
             Pick::Best(j) => *ends.get(*j)?,
@@ -43,8 +46,21 @@ impl Landmarks {
                 best(&scaled, |u| (weighted(u), sum(u)))?
             }
         };
-        Some(Self { knee, has_knee, ends, recommended })
+        Some(Self { knee, has_knee, ends, recommended, among: Among::All })
     }
+}
+
+/// The knee of the members that are allowed, or the most even of them, on the scale of the whole front; `None` without any.
+pub(super) fn knee_of(front: &[Vec<f64>], has_knee: bool, allowed: &[bool]) -> Option<usize> {
+    let scaled = scaled(front);
+    let key = |u: &[f64]| {
+        let (sum, largest) = (u.iter().sum::<f64>(), largest(u));
+        if has_knee { (sum, largest) } else { (largest, sum) }
+    };
+    let mut members = (0..front.len()).filter(|i| allowed.get(*i) == Some(&true)).map(|i| (i, key(&scaled[i])));
+    let first = members.next()?;
+    let less = |a: (f64, f64), b: (f64, f64)| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)).is_lt();
+    Some(members.fold(first, |best, next| if less(next.1, best.1) { next } else { best }).0)
 }
 
 /// Objectives scaled to the front's range; 0 where it has none.

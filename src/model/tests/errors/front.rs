@@ -50,7 +50,32 @@ fn constraints_say_where_they_are_wrong() {
         (
             "constraints = [\"1.2\"]",
             "\"1.2\"",
-            "28:16: `tune.constraints[1]` is \"1.2\": expected a name, <= or >=, and a number, such as \"nis_mean <= 1.2\", or a table with `name` and `max` or `min`",
+            "28:16: `tune.constraints[1]` is \"1.2\": expected a name, <= or >=, and a number, such as \"nis_mean <= 1.2\" or \"0.8 <= nis_mean <= 1.2\", or a table with `name` and `max` or `min`",
+        ),
+        (
+            "constraints = [\"1.2 <= nis_mean <= 0.8\"]",
+            "\"1.2 <= nis_mean <= 0.8\"",
+            "28:16: `tune.constraints[1]` is \"1.2 <= nis_mean <= 0.8\": expected a smaller and a larger number around the name, such as \"0.8 <= nis_mean <= 1.2\"",
+        ),
+        (
+            "constraints = [\"0.8 <= nis_mean >= 0.5\"]",
+            "\"0.8 <= nis_mean >= 0.5\"",
+            "28:16: `tune.constraints[1]` is \"0.8 <= nis_mean >= 0.5\": expected a smaller and a larger number around the name, such as \"0.8 <= nis_mean <= 1.2\"",
+        ),
+        (
+            "constraints = [\"0.8 < nis_mean <= 1.2\"]",
+            "<",
+            "28:21: `tune.constraints[1]` is `<`: expected <= or >= between the name and the limit",
+        ),
+        (
+            "constraints = [\"low <= nis_mean <= 1.2\"]",
+            "low",
+            "28:17: `tune.constraints[1]` is limited by `low`: expected a finite number before <= or >=",
+        ),
+        (
+            "constraints = [\"1 <= nis_mean <= 1.2 <= 3\"]",
+            "\"1 <= nis_mean <= 1.2 <= 3\"",
+            "28:16: `tune.constraints[1]` is \"1 <= nis_mean <= 1.2 <= 3\": expected a name, <= or >=, and a number, such as \"nis_mean <= 1.2\" or \"0.8 <= nis_mean <= 1.2\", or a table with `name` and `max` or `min`",
         ),
         (
             "constraints = [\"nees_mean <= 1\"]",
@@ -96,6 +121,18 @@ fn constraints_are_read_in_both_forms() {
     assert_eq!(found[1].measure.states, [0]);
     let scorers: Vec<&str> = problem.tune.scorers().iter().map(|o| o.name()).collect();
     assert_eq!(scorers, ["nll", "nis_mean", "rmse", "rmse"]);
+}
+
+#[test]
+fn a_constraint_may_stand_on_both_sides() {
+    let read = |line: &str| {
+        let problem = Problem::parse(&SOUND.replace("[\"nll\"]", &with(line)), "p.toml").unwrap();
+        problem.tune.constraints.iter().map(|c| (c.measure.kind, c.relation, c.limit)).collect::<Vec<_>>()
+    };
+    let [low, high] = [(Kind::NisMean, Relation::AtLeast, 0.8), (Kind::NisMean, Relation::AtMost, 1.2)];
+    assert_eq!(read("constraints = [\"0.8 <= nis_mean<=1.2\"]"), [low, high]);
+    assert_eq!(read("constraints = [\"1.2 >= nis_mean >= 0.8\"]"), [high, low]);
+    assert_eq!(read("constraints = [\"0.8 <= nis_mean\", \"1.2 >= nis_mean\"]"), [low, high]);
 }
 
 #[test]

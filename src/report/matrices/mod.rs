@@ -1,0 +1,210 @@
+//! The tuned filter as matrices: numbers where they are the same in every row, formulas where they are not.
+
+mod formula;
+mod print;
+#[cfg(test)]
+mod tests;
+
+use nalgebra::DMatrix;
+use serde::{Serialize, Serializer};
+
+use super::number::{exact, short};
+use crate::data::Log;
+use crate::model::{Expr, FilterKind, Problem, Symbol};
+use crate::reference::{self, Steady};
+use formula::Writer;
+
+/// Significant digits of an entry: more than any tuned variance has.
+const DIGITS: usize = 8;
+
+/// A matrix as nested lists. Where all entries are numbers it is what JSON and NumPy read; a formula is a string.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(transparent)]
+pub struct Matrix {
+    rows: Vec<Vec<Entry>>,
+}
+
+/// One entry.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Entry {
+    /// The same in every row.
+    Value(f64),
+    /// A formula of inputs and dt, with the tuned parameters as numbers.
+    Formula {
+        /// With numbers that read back as the same bits.
+        exact: String,
+        /// As a person reads it.
+        short: String,
+    },
+}
+
+impl Serialize for Entry {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Value(value) => serializer.serialize_f64(*value),
+            Self::Formula { exact, .. } => serializer.serialize_str(exact),
+        }
+    }
+}
+
+impl Entry {
+    fn of(expr: &Expr, problem: &Problem) -> Self {
+        let model = &problem.model;
+        match formula::number(expr) {
+            Some(value) => Self::Value(value),
+            None => Self::Formula {
+                exact: Writer { model, number: &exact }.text(expr),
+                short: Writer { model, number: &|value| short(value, DIGITS) }.text(expr),
+            },
+        }
+    }
+
+    fn is_zero(&self) -> bool {
+        matches!(self, Self::Value(value) if value.abs() <= 0.0)
+    }
+}
+
+impl From<&DMatrix<f64>> for Matrix {
+    fn from(matrix: &DMatrix<f64>) -> Self {
+        Self { rows: matrix.row_iter().map(|row| row.iter().map(|value| Entry::Value(*value)).collect()).collect() }
+    }
+}
+
+impl Matrix {
+    fn of(entries: &[Expr], columns: usize, problem: &Problem) -> Self {
+        let row = |row: &[Expr]| row.iter().map(|entry| Entry::of(entry, problem)).collect();
+        Self { rows: entries.chunks(columns.max(1)).map(row).collect() }
+    }
+
+    /// Whether any entry changes from row to row of the log.
+    #[must_use]
+    pub fn varies(&self) -> bool {
+        self.rows.iter().flatten().any(|entry| matches!(entry, Entry::Formula { .. }))
+    }
+}
+
+/// The model's matrices for one candidate: x' = F x + f0 + w, z = H x + h0 + v.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[expect(non_snake_case, reason = "Kalman notation: F, H, Q, R, K")]
+pub struct Matrices {
+    /// The log's interval \[s\], which F, Q and K are for; `None` where it differs from row to row, and `dt` stands in
+    /// formulas.
+    pub dt: Option<f64>,
+    /// Transition, n x n.
+    pub F: Matrix,
+    /// What the transition adds that no state is part of, n x 1; `None` where it is 0.
+    pub f0: Option<Matrix>,
+    /// Measurement, m x n.
+    pub H: Matrix,
+    /// What a measurement holds that no state is part of, m x 1; `None` where it is 0.
+    pub h0: Option<Matrix>,
+    /// Process noise covariance of one step, n x n; where it is adapted, of the first.
+    pub Q: Matrix,
+    /// Measurement noise covariance, m x m; where it is adapted, of the first row.
+    pub R: Matrix,
+    /// Names of those of F, f0, H, h0, Q and R that change from row to row: they have formulas for entries.
+    pub varies: Vec<&'static str>,
+    /// The gain that the filter settles to, n x m; `None` where there is none.
+    pub K: Option<Matrix>,
+    /// Whether there is one.
+    pub gain: Gain,
+    /// What an adaptive filter does with Q or R; `None` for one that keeps both.
+    pub note: Option<&'static str>,
+    #[serde(skip)]
+    states: Vec<String>,
+    #[serde(skip)]
+    measurements: Vec<String>,
+}
+
+/// Whether the filter has one gain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Gain {
+    /// It settles to one, with every measurement present.
+    Steady,
+    /// F, H, Q or R change from row to row, and with them the gain.
+    Varies,
+    /// F, H, Q and R stay, and the gain does not settle: a state that nothing drives, or an unstable one that is not seen.
+    Unsettled,
+}
+
+impl Matrices {
+    /// The matrices of `candidate` for `log`.
+    ///
+    /// # Panics
+    /// If `candidate` does not have one value per searched parameter.
+    #[must_use]
+    pub fn of(problem: &Problem, log: &Log, candidate: &[f64]) -> Self {
+        let (model, dt) = (&problem.model, log.regular_dt());
+        let parameters = problem.parameters.resolve(candidate);
+        let filled = |list: &[Expr]| list.iter().map(|e| formula::filled(e, &parameters, dt)).collect::<Vec<Expr>>();
+        let [f, h, q, r] = [&model.f, &model.h, &model.q, &model.r].map(|list| filled(list));
+        let (n, m) = (model.states.len(), model.measurements.len());
+        let linear = |list: &[Expr]| {
+            let entries = list.iter().flat_map(|e| (0..n).map(move |state| formula::coefficient(e, state)));
+            Matrix::of(&entries.collect::<Vec<_>>(), n, problem)
+        };
+        let constant = |list: &[Expr]| {
+            let matrix = Matrix::of(&list.iter().map(formula::offset).collect::<Vec<_>>(), 1, problem);
+            (!matrix.rows.iter().flatten().all(Entry::is_zero)).then_some(matrix)
+        };
+        let mut found = Self {
+            dt,
+            F: linear(&f),
+            f0: constant(&f),
+            H: linear(&h),
+            h0: constant(&h),
+            Q: Matrix::of(&q, n, problem),
+            R: Matrix::of(&r, m, problem),
+            varies: Vec::new(),
+            K: None,
+            gain: Gain::Varies,
+            note: adapted(&problem.filter),
+            states: model.states.clone(),
+            measurements: model.measurements.clone(),
+        };
+        found.varies = found.all().filter(|(_, matrix)| matrix.varies()).map(|(name, _)| name).collect();
+        found.settle(problem, candidate);
+        found
+    }
+
+    /// Gives the gain where matrices that stay as they are lead to one.
+    fn settle(&mut self, problem: &Problem, candidate: &[f64]) {
+        let varies = [&self.F, &self.H, &self.Q, &self.R].iter().any(|matrix| matrix.varies());
+        if varies || problem.filter.is_adaptive() {
+            return;
+        }
+        // Without an interval nothing depends on it, or an entry would vary.
+        let steady = reference::steady_gain(problem, candidate, self.dt.unwrap_or(1.0));
+        self.gain = if steady.is_some() { Gain::Steady } else { Gain::Unsettled };
+        self.K = steady.map(|Steady { k, .. }| (&k).into());
+    }
+
+    /// Every matrix but the gain, with its name.
+    fn all(&self) -> impl Iterator<Item = (&'static str, &Matrix)> {
+        let Self { F, f0, H, h0, Q, R, .. } = self;
+        [("F", Some(F)), ("f0", f0.as_ref()), ("H", Some(H)), ("h0", h0.as_ref()), ("Q", Some(Q)), ("R", Some(R))]
+            .into_iter()
+            .filter_map(|(name, matrix)| Some((name, matrix?)))
+    }
+}
+
+/// Whether a formula for the next value of one state takes another one times dt, so that their units differ.
+pub(super) fn differ_in_unit(problem: &Problem, states: &[usize]) -> bool {
+    let by_dt = |i: usize, j: usize| {
+        let formula = problem.model.f.get(i).map(|f| formula::coefficient(f, j));
+        i != j && formula.is_some_and(|f| f.mentions(|symbol| symbol == Symbol::Dt))
+    };
+    states.iter().any(|i| states.iter().any(|j| by_dt(*i, *j)))
+}
+
+/// Which of the matrices printed is a start only.
+const fn adapted(kind: &FilterKind) -> Option<&'static str> {
+    match kind {
+        FilterKind::Kalman => None,
+        FilterKind::SageHusa { .. } => Some("Q is where each trajectory starts; the filter adapts it"),
+        FilterKind::SageHusaR { .. } | FilterKind::Fuzzy { .. } => {
+            Some("R is where each trajectory starts; the filter adapts it")
+        }
+    }
+}

@@ -1,5 +1,6 @@
 //! What all swarms share: the first population and the best position.
 
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::Space;
@@ -29,6 +30,20 @@ pub(super) fn first(space: &Space, size: usize, seed: u64) -> Population {
         space.clip(population.row_mut(i));
     }
     population
+}
+
+/// Moves every member of a swarm, on all cores where it is large. A member draws from a stream of its own, so that this
+/// changes no bit. Of `b` there may be more rows than of `a`.
+pub(super) fn for_each(a: &mut Population, b: &mut Population, step: impl Fn(usize, &mut [f64], &mut [f64]) + Sync) {
+    /// Coordinates that a core moves in a fraction of a millisecond.
+    const TASK: usize = 1 << 14;
+    let d = a.dimension().max(1);
+    if a.values().len() < 2 * TASK {
+        let rows = a.values_mut().chunks_mut(d).zip(b.values_mut().chunks_mut(d)).enumerate();
+        return rows.for_each(|(i, (a, b))| step(i, a, b));
+    }
+    let rows = a.values_mut().par_chunks_mut(d).zip(b.values_mut().par_chunks_mut(d)).enumerate();
+    rows.with_min_len(TASK / d).for_each(|(i, (a, b))| step(i, a, b));
 }
 
 /// The best position ever evaluated, X_g or G_best.

@@ -226,3 +226,29 @@ impl Columns {
 const fn count(rows: usize) -> f64 {
     rows as f64
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_column_is_filled_once_and_equal_ones_are_one() {
+        let (mut columns, mut asked) = (Columns::default(), 0);
+        for _ in 0..3 {
+            // Every round of tracing has a graph of its own.
+            let mut g = Graph::default();
+            let mut node = |key, values: &[f64]| {
+                columns.node(&mut g, key, || {
+                    asked += 1;
+                    values.to_vec()
+                })
+            };
+            let (z, equal) = (node(Key::Measurement(0), &[1.0, 2.0]), node(Key::Weight(1, 1), &[1.0, 2.0]));
+            let (other, constant) = (node(Key::Measurement(1), &[1.0, 3.0]), node(Key::Dt, &[0.5, 0.5]));
+            assert!(z == equal && z != other, "by content");
+            assert_eq!((g.value(constant), g.value(z)), (Some(0.5), None), "what never changes is a number");
+            assert_eq!([z, other, constant].map(|id| columns.sum(&g, id, 2)), [3.0, 4.0, 1.0]);
+        }
+        assert_eq!(asked, 4, "in the first round only");
+    }
+}

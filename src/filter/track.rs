@@ -2,8 +2,11 @@
 
 use super::carry::Entry;
 use super::nominal::Nominal;
-use super::program::{Program, Role};
-use crate::tape::lanes::run_one;
+use super::program::{Program, Role, Span};
+use crate::tape::lanes::{Register, run, run_one};
+
+/// A register of one candidate.
+type One = Register<f64, 1, 1>;
 
 impl Program {
     /// The nominal of the deviation form: the predicted states of a candidate, in the problem's own units, by this program,
@@ -13,33 +16,38 @@ impl Program {
         let n = self.units.states.len();
         let rows = self.spans.last().map_or(0, |span| span.rows.end);
         let mut states = Vec::with_capacity(n * rows);
+        let mut scalars = vec![0.0; self.columns];
+        scalars.extend_from_slice(&self.constants);
         for span in &self.spans {
-            let mut registers = candidate.to_vec();
-            run_one(&self.prologue, &mut registers, &span.scalars);
-            let mut results = registers.split_off(self.parameters);
-            let invariants = results.split_off(self.varies.len());
-            let own = self.carried.iter().map(|carried| match carried.role {
-                Role::State | Role::Sum => 0.0,
-                Role::Product | Role::Check => 1.0,
-            });
-            results.extend(own.skip(self.varies.len()));
-            registers = results.into_iter().chain(invariants).collect();
+            let mut registers = self.start(candidate, span);
             for row in span.rows.clone() {
                 states.extend(self.predicted(&registers));
-                let record = &self.record[row * self.columns..(row + 1) * self.columns];
-                let scalars: Vec<f64> = record.iter().chain(&self.constants).copied().collect();
-                run_one(&self.step, &mut registers, &scalars);
+                scalars[..self.columns].copy_from_slice(&self.record[row * self.columns..(row + 1) * self.columns]);
+                run(&self.step.operations, &mut registers, &scalars);
             }
         }
         Nominal::new(candidate.to_vec(), states, n)
     }
 
+    /// The registers of the step at the first row of a trajectory.
+    fn start(&self, candidate: &[f64], span: &Span) -> Vec<One> {
+        let mut results = candidate.to_vec();
+        run_one(&self.prologue, &mut results, &span.scalars);
+        let (states, rest) = results[self.parameters..].split_at(self.varies.len());
+        let others =
+            self.carried[states.len()..].iter().map(|carried| if carried.role == Role::Sum { 0.0 } else { 1.0 });
+        let values = states.iter().copied().chain(others).chain(rest[..self.invariants].iter().copied());
+        let mut registers: Vec<One> = values.map(One::splat).collect();
+        registers.resize(self.step.registers.max(registers.len()), One::splat(0.0));
+        registers
+    }
+
     /// The predicted states in the problem's own units.
-    fn predicted<'a>(&'a self, registers: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+    fn predicted<'a>(&'a self, registers: &'a [One]) -> impl Iterator<Item = f64> + 'a {
         self.entries.iter().zip(&self.units.states).map(|(entry, unit)| {
             let value = match entry {
                 Entry::Constant(value) => *value,
-                Entry::Carried(i) => registers[*i],
+                Entry::Carried(i) => registers[*i].lanes()[0],
             };
             value * 2.0_f64.powi(*unit)
         })

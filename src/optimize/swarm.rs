@@ -69,3 +69,34 @@ impl Best {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each member by its own stream: a large swarm on four threads moves as its members do one by one.
+    #[test]
+    fn cores_change_no_bit() {
+        let space = Space::boxed(&[[-1.0, 1.0]; 3]);
+        let (x, v) = (draw(&space, 30_000, 7, 0), draw(&space, 30_000, 7, 1));
+        let step = |i: usize, x: &mut [f64], v: &mut [f64]| {
+            let mut stream = Stream::new(3, Purpose::Move, 2, i as u64);
+            for (x, v) in x.iter_mut().zip(v) {
+                *v = 0.7 * *v + stream.uniform() * *x;
+                *x += *v;
+            }
+        };
+        let mut whole = (x.clone(), v.clone());
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(4).build().unwrap();
+        pool.install(|| for_each(&mut whole.0, &mut whole.1, step));
+        for i in [0, 1, 4_999, 15_000, 29_999] {
+            let (mut x, mut v) = (x.row(i).to_vec(), v.row(i).to_vec());
+            step(i, &mut x, &mut v);
+            assert_eq!((whole.0.row(i), whole.1.row(i)), (&x[..], &v[..]), "member {i}");
+        }
+        // A flock that has lost members keeps their velocities at the end.
+        let (mut few, mut all) = (draw(&space, 2, 7, 0), v.clone());
+        for_each(&mut few, &mut all, step);
+        assert_eq!(all.row(2), v.row(2), "no member, no step");
+    }
+}

@@ -62,9 +62,10 @@ impl Family {
     pub(crate) fn problem(&self, unit: Unit) -> Problem {
         let ([a, b], m) = (unit.states, unit.measurements);
         let list = |values: &[f64]| values.iter().map(|v| format!("{v:e}")).collect::<Vec<_>>().join(", ");
-        let entry = |factor: f64, parameter: &str| format!("\"{:e}*{parameter}\"", factor);
-        let r: Vec<String> =
-            self.r.iter().map(|row| format!("[{}]", row.map(|v| entry(v * m * m, "r")).join(", "))).collect();
+        let entry = |factor: f64| format!("\"{factor:e}*r\"");
+        let row = |row: &[f64; 2]| format!("[{}]", row.map(|v| entry(v * m * m)).join(", "));
+        let diagonal = [0, 1].map(|i| entry(self.r[i][i] * m * m));
+        let r = if self.r[0][1] == 0.0 { diagonal } else { [row(&self.r[0]), row(&self.r[1])] };
         let x0 = self.x0.map_or("\"measurement\"".to_owned(), |[x, v]| format!("[{}]", list(&[x * a, v * b])));
         let text = format!(
             "[data]\nfile = \"none.csv\"\ntime = \"t\"\nmeasurements = [\"y\", \"z\"]\ntruth = {{ x = \"tx\", v = \"tv\" }}\n\

@@ -78,7 +78,7 @@ fn states_and_measurements_have_units_of_their_own() {
                     for ((name, _), (found, expected)) in costs.filter(|((name, _), _)| compared(name)) {
                         let error = (found - expected).abs();
                         // A measurement that starts a state passes through a pseudo-inverse, which rounds.
-                        let rounding = if family.name.starts_with("x0") { 1e-11 } else { tolerance };
+                        let rounding: f64 = if family.name.starts_with("x0") { 1e-11 } else { tolerance };
                         assert!(
                             error <= rounding.max(tolerance) * (1.0 + expected),
                             "{what}: {name} {found} for {expected}"
@@ -103,7 +103,9 @@ fn decimal_units_keep_the_promise() {
             .map(|c| reference::costs(&problem, &log(Unit::of(1.0)), c).unwrap())
             .collect::<Vec<_>>();
         for unit in [1e-30, 1e-20, 1e-12, 1e-9, 1e-6, 1e6, 1e10, 1e12, 1e30, 1e60] {
-            for (precision, promise) in [(Precision::F64, 1e-9), (Precision::F32, 1e-4)] {
+            // A full P in f64 loses digits to a diffuse start, in any units.
+            let double = if family.diffuse { 1e-7 } else { 1e-9 };
+            for (precision, promise) in [(Precision::F64, double), (Precision::F32, 1e-4)] {
                 let found = evaluate(family, Unit::of(unit), precision);
                 for (i, expected) in reference.iter().enumerate() {
                     assert_eq!(found.status(i), Status::OK, "{}, {precision}, {unit:e}, candidate {i}", family.name);

@@ -7,7 +7,8 @@ use anyhow::ensure;
 use super::console::Console;
 use super::options::{Compute, DeviceChoice};
 use crate::data::Log;
-use crate::evaluate::{CpuEvaluator, Device, Evaluation, Evaluator, Population};
+use crate::evaluate::{CpuEvaluator, CpuOptions, Device, Evaluation, Evaluator, Population, Precision};
+use crate::filter::{Program, trace};
 use crate::model::Problem;
 
 #[cfg(feature = "gpu")]
@@ -51,6 +52,8 @@ impl Notices {
 /// An evaluator on the device that was asked for, or on the one that suits.
 pub(super) struct Chosen {
     evaluator: Box<dyn Evaluator>,
+    /// What the same problem is in f64: traced once for all that need it.
+    double: Program,
     pub(super) notices: Notices,
 }
 
@@ -69,14 +72,13 @@ impl Chosen {
             !(asked && compute.device == DeviceChoice::Cpu),
             "--adapter names a GPU and --device cpu asks for none (leave one of them out)"
         );
-        if !asked {
-            let cpu = CpuEvaluator::new(problem, log, compute.cpu())?;
-            if compute.device == DeviceChoice::Cpu || work(&cpu, log, candidates) < GPU_PAYS {
-                return Ok(Self { evaluator: Box::new(cpu), notices });
-            }
+        let double = trace(problem, log, &problem.tune.scorers(), None)?.constrained(&problem.tune.constraints);
+        if !asked && (compute.device == DeviceChoice::Cpu || work(&double, log, candidates) < GPU_PAYS) {
+            let evaluator = Box::new(CpuEvaluator::with_double(problem, log, &double, compute.cpu())?);
+            return Ok(Self { evaluator, double, notices });
         }
         #[cfg(feature = "gpu")]
-        let found = on_gpu::build(problem, log, compute, asked, &notices)?;
+        let found = on_gpu::build((problem, log, &double), compute, asked, &notices)?;
         #[cfg(not(feature = "gpu"))]
         let found = {
             ensure!(!asked, BUILT_WITHOUT);
@@ -84,9 +86,14 @@ impl Chosen {
         };
         let evaluator = match found {
             Some(evaluator) => evaluator,
-            None => Box::new(CpuEvaluator::new(problem, log, compute.cpu())?),
+            None => Box::new(CpuEvaluator::with_double(problem, log, &double, compute.cpu())?),
         };
-        Ok(Self { evaluator, notices })
+        Ok(Self { evaluator, double, notices })
+    }
+
+    /// An evaluator on the CPU in f64, which has nothing left to trace.
+    pub(super) fn in_f64(&self, options: CpuOptions) -> CpuEvaluator {
+        CpuEvaluator::of_program(self.double.clone(), CpuOptions { precision: Precision::F64, ..options })
     }
 
     /// Says where the costs of a resumed search come from, if that is another kind of device than before.
@@ -128,6 +135,6 @@ pub(super) const fn adapter_of(_description: &str) -> Option<String> {
 
 /// Rows x candidates x operations of a step.
 #[expect(clippy::cast_precision_loss, reason = "an estimate")]
-fn work(cpu: &CpuEvaluator, log: &Log, candidates: f64) -> f64 {
-    log.rows() as f64 * candidates * cpu.program().step.operations.len() as f64
+fn work(program: &Program, log: &Log, candidates: f64) -> f64 {
+    log.rows() as f64 * candidates * program.step.operations.len() as f64
 }

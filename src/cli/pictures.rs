@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::files::OutFolder;
 use crate::data::{HeldOut, Log};
-use crate::evaluate::{CpuEvaluator, CpuOptions, Precision};
+use crate::evaluate::CpuEvaluator;
 use crate::model::{Problem, SplitBy};
 use crate::objective::Objective;
 use crate::reference;
@@ -45,7 +45,7 @@ pub(super) struct Study<'a> {
     pub(super) logs: Logs<'a>,
     pub(super) outcome: &'a Outcome,
     pub(super) winner: &'a Winner,
-    pub(super) options: CpuOptions,
+    pub(super) scorer: &'a dyn Fn() -> CpuEvaluator,
 }
 
 /// What the pictures of a study are of.
@@ -66,9 +66,9 @@ pub(super) fn write_tuning(
     study: &Study<'_>,
     whiteness: &[Whiteness],
 ) -> anyhow::Result<()> {
-    let Study { logs, outcome, winner, options } = *study;
+    let Study { logs, outcome, winner, scorer } = *study;
     let mut pictures = vec![("convergence.svg", convergence(problem, &outcome.history))];
-    let mut evaluator = CpuEvaluator::new(problem, logs.train, CpuOptions { precision: Precision::F64, ..options })?;
+    let mut evaluator = scorer();
     let [least, most] = CANDIDATES;
     let evaluations = (LANDSCAPE / logs.train.rows().max(1) as f64).clamp(least, most) as usize;
     let baseline = &outcome.baseline.candidate;

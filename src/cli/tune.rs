@@ -16,7 +16,7 @@ use super::overrides::{self, Override};
 use super::progress::Progress;
 use super::{Ending, interrupt, pictures, results};
 use crate::data::Log;
-use crate::evaluate::{CpuEvaluator, CpuOptions, Evaluator, Precision};
+use crate::evaluate::Evaluator;
 use crate::model::{Problem, TuneSpec};
 use crate::reference;
 use crate::report::{Effort, LogFacts, Tuning, mean_nis, unmet};
@@ -153,9 +153,10 @@ impl Tune {
         let effort = Effort::of(&problem, facts, &outcome, device, warnings);
         let Some(winner) = &outcome.winner else { return self.report_nothing(effort, &outcome, folder.as_ref()) };
         let tuning = Tuning::of(effort, &problem, &split, (&outcome, winner))?;
+        let scorer = || evaluator.in_f64(self.compute.cpu());
         let write = |folder: &OutFolder| {
             let logs = pictures::Logs { train: &split.train, held_out: held_out::judged(&split, &tuning) };
-            let pictures = pictures::Study { logs, outcome: &outcome, winner, options: self.compute.cpu() };
+            let pictures = pictures::Study { logs, outcome: &outcome, winner, scorer: &scorer };
             results::write(folder, (&problem, &origin), &tuning, &pictures)
         };
         // What was found is said even where the disk is full.
@@ -209,8 +210,7 @@ impl Tune {
         let compute = resumed.map_or_else(|| Ok(self.compute.clone()), |resumed| resumed.compute(&self.compute))?;
         let mut evaluator = Chosen::new(problem, log, &compute, candidates(&problem.tune), console)?;
         let wants_another = problem.tune.polish && !evaluator.can_polish();
-        let in_f64 = CpuOptions { precision: Precision::F64, ..compute.cpu() };
-        let mut polisher = wants_another.then(|| CpuEvaluator::new(problem, log, in_f64)).transpose()?;
+        let mut polisher = wants_another.then(|| evaluator.in_f64(compute.cpu()));
         let oracle = |candidate: &[f64]| reference::scores(problem, log, candidate).ok();
         let judge = Judge { oracle: &oracle, polisher: polisher.as_mut().map(|p| p as &mut dyn Evaluator) };
         let mut progress = Progress::new(console, &problem.tune)?;

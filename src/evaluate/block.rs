@@ -4,6 +4,7 @@ use super::Status;
 use crate::filter::{Program, Role};
 use crate::tape::lanes::{Lane, Register, run};
 use multiversion::multiversion;
+use std::sync::Arc;
 
 /// A program whose numbers are rounded to the lane's precision, once.
 #[derive(Debug)]
@@ -16,8 +17,8 @@ pub(super) struct Rounded<T> {
 /// Totals and status of the candidates of a block.
 #[derive(Debug, Default)]
 pub(super) struct Totals {
-    /// Candidates x trajectories x [`Program::totals`].
-    pub(super) sums: Vec<f64>,
+    /// Candidates x [`Program::folded`].
+    pub(super) folded: Vec<f64>,
     /// One a candidate.
     pub(super) status: Vec<Status>,
 }
@@ -26,7 +27,7 @@ impl<T: Lane> Rounded<T> {
     pub(super) fn new(mut program: Program) -> Self {
         let round = |values: &[f64]| values.iter().map(|v| T::from_f64(*v)).collect();
         let (record, constants) = (round(&program.record), round(&program.constants));
-        program.record = Vec::new();
+        program.record = Arc::default();
         Self { program, record, constants }
     }
 }
@@ -38,7 +39,9 @@ fn run_block<T: Lane, const C: usize, const B: usize>(rounded: &Rounded<T>, cand
     let d = program.parameters.max(1);
     let n = candidates.len() / d;
     let width = program.totals();
-    let mut totals = Totals { sums: vec![0.0; n * program.spans.len() * width], status: vec![Status::OK; n] };
+    let folded = program.folded();
+    let mut totals = Totals { folded: vec![0.0; n * folded], status: vec![Status::OK; n] };
+    let mut of_lane = vec![0.0; width];
     let mut registers = vec![Register::<T, C, B>::splat(T::ZERO); program.step.registers];
     let mut prologue = vec![Register::<f64, C, B>::splat(0.0); program.prologue.registers];
     for (t, span) in program.spans.iter().enumerate() {
@@ -53,8 +56,8 @@ fn run_block<T: Lane, const C: usize, const B: usize>(rounded: &Rounded<T>, cand
         finish(program, &registers, &mut sums);
         let failed = failures(program, &registers, &sums);
         for lane in 0..n {
-            let at = (lane * program.spans.len() + t) * width;
-            sums.iter().zip(&mut totals.sums[at..at + width]).for_each(|(s, to)| *to = s.lanes()[lane]);
+            sums.iter().zip(&mut of_lane).for_each(|(sum, to)| *to = sum.lanes()[lane]);
+            program.fold(t, &of_lane, &mut totals.folded[lane * folded..][..folded]);
             if failed.lanes()[lane] {
                 totals.status[lane] = totals.status[lane].union(Status::NOT_POSITIVE);
             }
@@ -286,7 +289,7 @@ mod tests {
     }
 
     fn bits(totals: &Totals) -> (Vec<u64>, &[Status]) {
-        (totals.sums.iter().map(|s| s.to_bits()).collect(), &totals.status)
+        (totals.folded.iter().map(|s| s.to_bits()).collect(), &totals.status)
     }
 
     /// The plain build of the same code is what the instruction set chosen at run time must equal, at every width.
@@ -312,7 +315,7 @@ mod tests {
         let good = f64::run(&rounded, &candidates);
         candidates[10..12].copy_from_slice(&[f64::NAN, -5.0]);
         let mixed = f64::run(&rounded, &candidates);
-        let width = rounded.program.spans.len() * rounded.program.totals();
+        let width = rounded.program.folded();
         for i in 0..16 {
             let same = bits(&good).0[i * width..(i + 1) * width] == bits(&mixed).0[i * width..(i + 1) * width];
             assert_eq!(same, i != 5, "candidate {i}");

@@ -3,10 +3,9 @@
 use super::block::{Blocks, Rounded, Totals, instruction_set};
 use super::{Device, Evaluation, Evaluator, Population, Precision, Status};
 use crate::data::Log;
-use crate::filter::{Entry, Form, Nominal, Program, Role, TraceError, trace, trace_as};
+use crate::filter::{Form, Program, TraceError, trace, trace_as};
 use crate::model::Problem;
 use crate::objective::Objective;
-use crate::tape::lanes::run_one;
 use rayon::prelude::*;
 use std::num::NonZero;
 
@@ -85,6 +84,20 @@ impl CpuEvaluator {
         Ok(Self::of_program(Self::trace(problem, log, objectives, options.precision, form)?, options))
     }
 
+    /// An evaluator of the problem's own objectives and constraints that shares what `double`, their program in f64, has
+    /// found already: that program itself, or its nominal.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_double(
+        problem: &Problem,
+        log: &Log,
+        double: &Program,
+        options: CpuOptions,
+    ) -> Result<Self, BuildError> {
+        Ok(Self::of_program(beside(problem, log, double, options.precision)?, options))
+    }
+
     fn trace(
         problem: &Problem,
         log: &Log,
@@ -94,7 +107,7 @@ impl CpuEvaluator {
     ) -> Result<Program, TraceError> {
         let nominal = match precision {
             Precision::F64 => None,
-            Precision::F32 => Some(nominal(problem, log)?),
+            Precision::F32 => Some(trace(problem, log, &[], None)?.nominal(&problem.parameters.baseline())),
         };
         trace_as(problem, log, objectives, nominal, form)
     }
@@ -148,9 +161,9 @@ impl CpuEvaluator {
                 Machine::F32(rounded) => f32::run(rounded, block),
                 Machine::F64(rounded) => f64::run(rounded, block),
             };
-            let width = program.spans.len() * program.totals();
+            let width = program.folded();
             for (i, costs) in costs.chunks_exact_mut(k.max(1)).enumerate() {
-                program.costs(&totals.sums[i * width..(i + 1) * width], costs);
+                program.costs(&totals.folded[i * width..(i + 1) * width], costs);
             }
             status.extend(totals.status);
         }
@@ -204,30 +217,19 @@ fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, NonZero::get)
 }
 
-/// The nominal of the deviation form: the baseline's predicted states, by the f64 tape.
-pub(super) fn nominal(problem: &Problem, log: &Log) -> Result<Nominal, TraceError> {
-    let program = trace(problem, log, &[], None)?;
-    let candidate = problem.parameters.baseline();
-    let n = problem.model.states.len();
-    let mut states = Vec::with_capacity(n * log.rows());
-    for span in &program.spans {
-        let mut registers = candidate.clone();
-        run_one(&program.prologue, &mut registers, &span.scalars);
-        let mut results = registers[program.parameters..].to_vec();
-        let carried = program.carried.iter().filter(|c| c.role == Role::State).count();
-        let invariants = results.split_off(carried);
-        // The check, where there is one, stands between the carried states and the invariants.
-        let checks = program.carried[carried..].iter().map(|_| 1.0);
-        let mut registers: Vec<f64> = results.into_iter().chain(checks).chain(invariants).collect();
-        for row in span.rows.clone() {
-            states.extend(program.entries[..n].iter().map(|entry| match entry {
-                Entry::Constant(value) => *value,
-                Entry::Carried(i) => registers[*i],
-            }));
-            let record = &program.record[row * program.columns..(row + 1) * program.columns];
-            let scalars: Vec<f64> = record.iter().chain(&program.constants).copied().collect();
-            run_one(&program.step, &mut registers, &scalars);
+/// The program of the problem's own scorers in a precision, from that in f64.
+pub(super) fn beside(
+    problem: &Problem,
+    log: &Log,
+    double: &Program,
+    precision: Precision,
+) -> Result<Program, TraceError> {
+    match precision {
+        Precision::F64 => Ok(double.clone()),
+        Precision::F32 => {
+            let nominal = double.nominal(&problem.parameters.baseline());
+            let program = trace(problem, log, &problem.tune.scorers(), Some(nominal))?;
+            Ok(program.constrained(&problem.tune.constraints))
         }
     }
-    Ok(Nominal::new(candidate, states, n))
 }

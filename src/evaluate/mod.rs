@@ -81,6 +81,11 @@ impl Population {
         &self.values
     }
 
+    /// The same, to change.
+    pub(crate) fn values_mut(&mut self) -> &mut [f64] {
+        &mut self.values
+    }
+
     /// All candidates in order.
     pub fn rows(&self) -> impl ExactSizeIterator<Item = &[f64]> {
         self.values.chunks_exact(self.dimension.max(1))

@@ -45,13 +45,13 @@ impl Tracer<'_> {
         let dt = self.first_interval();
         let scope = Scope { states: &[], parameters: &parameters, inputs: &[], dt };
         let variances = |tracer: &mut Self| {
-            let R = tracer.covariance(&model.r, scope);
+            let R = tracer.covariance(&model.r, scope, &tracer.units.measurements);
             (0..m).map(|i| R.at(i, i)).collect()
         };
         match &self.problem.filter {
             FilterKind::Kalman => Memory::None,
             FilterKind::SageHusa { .. } => {
-                let Q = self.covariance(&model.q, scope);
+                let Q = self.covariance(&model.q, scope, &self.units.states);
                 Memory::ProcessNoise { weight: one, Q: Covariance::new(&mut self.g, form, Q) }
             }
             FilterKind::SageHusaR { .. } => Memory::MeasurementNoise { weights: vec![one; m], R: variances(self) },

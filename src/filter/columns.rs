@@ -5,14 +5,14 @@
 
 use crate::data::{Log, Trajectory};
 use crate::model::{Problem, Start};
-use crate::tape::{Graph, Id, Leaf};
+use crate::tape::{Graph, Id, Leaf, Node};
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::Range;
 
 /// The rows a filter runs over, trajectory after trajectory.
 #[derive(Debug, Clone)]
-pub(super) struct Rows<'a> {
+pub(crate) struct Rows<'a> {
     pub(super) log: &'a Log,
     /// For each trajectory its first used row (rows before a start from a measurement are skipped).
     pub(super) first: Vec<usize>,
@@ -46,6 +46,22 @@ impl<'a> Rows<'a> {
         trajectories.map(|(t, first)| if *first < t.len() { interval(t, *first) } else { 1.0 }).collect()
     }
 
+    /// Number of used rows.
+    pub(super) fn len(&self) -> usize {
+        self.log.trajectories.iter().zip(&self.first).map(|(t, first)| t.len() - first).sum()
+    }
+
+    /// The last `window` rows of each trajectory that update the filter, those before `skip` left out.
+    pub(crate) fn last_measured(&self, skip: usize, window: usize) -> Window {
+        let mut measured = vec![Vec::new(); self.log.trajectories.len()];
+        for place in self.places().filter(|place| place.k >= skip && place.components() > 0) {
+            measured[place.index].push(place.k);
+        }
+        let begin =
+            |rows: &Vec<usize>| rows.get(rows.len().saturating_sub(window.max(1))).copied().unwrap_or(usize::MAX);
+        Window(measured.iter().map(begin).collect())
+    }
+
     /// Every used row of every trajectory.
     pub(super) fn places(&self) -> impl Iterator<Item = Place<'_>> {
         let trajectories = self.log.trajectories.iter().zip(&self.first).enumerate();
@@ -58,6 +74,16 @@ impl<'a> Rows<'a> {
                 is_start: from_measurement && k == first,
             })
         })
+    }
+}
+
+/// For each trajectory the row from which its window of last measured rows begins.
+pub(crate) struct Window(Vec<usize>);
+
+impl Window {
+    /// Whether a row stands in the window (rows without a measurement may stand between those that count).
+    pub(crate) fn contains(&self, place: Place<'_>) -> bool {
+        place.k >= self.0[place.index]
     }
 }
 
@@ -99,19 +125,68 @@ fn interval(t: &Trajectory, k: usize) -> f64 {
     t.dt(k).or_else(|| t.dt(k.checked_sub(1)?)).unwrap_or(1.0)
 }
 
+/// What a column holds. A column is filled once, however often a step is traced.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Key {
+    /// Interval to the next row.
+    Dt,
+    /// An input.
+    Input(usize),
+    /// A measurement, 0 where it is missing.
+    Measurement(usize),
+    /// 1 where a measurement updates the filter.
+    Present(usize),
+    /// 1 where any does.
+    Measured,
+    /// 1 where a measurement is present and the buffer of an adaptive filter full.
+    Full(usize),
+    /// A state of the nominal.
+    Nominal(usize),
+    /// The same, one row later.
+    NextNominal(usize),
+    /// The truth of a state, 0 where unknown.
+    Truth(usize),
+    /// What scorer number `.0` weighs its rows by, in the order it asks.
+    Weight(usize, usize),
+}
+
+/// What became of the values of a key.
+#[derive(Debug, Clone, Copy)]
+enum Found {
+    Constant(f64),
+    Column(u32),
+}
+
 /// Columns registered so far; data that repeats is stored once.
 #[derive(Debug, Default)]
 pub(super) struct Columns {
     data: Vec<Vec<f64>>,
+    by_key: HashMap<Key, Found>,
     by_hash: HashMap<u64, Vec<u32>>,
+    counts: HashMap<(usize, usize), Vec<f64>>,
 }
 
 impl Columns {
-    /// The node of a column.
-    pub(super) fn node(&mut self, g: &mut Graph, values: Vec<f64>) -> Id {
+    /// The node of a column, whose values are asked for the first time only.
+    pub(super) fn node(&mut self, g: &mut Graph, key: Key, values: impl FnOnce() -> Vec<f64>) -> Id {
+        let found = match self.by_key.get(&key) {
+            Some(found) => *found,
+            None => {
+                let found = self.register(values());
+                self.by_key.insert(key, found);
+                found
+            }
+        };
+        match found {
+            Found::Constant(value) => g.constant(value),
+            Found::Column(column) => g.leaf(Leaf::Column(column)),
+        }
+    }
+
+    fn register(&mut self, values: Vec<f64>) -> Found {
         match values.first() {
-            None => return g.constant(0.0),
-            Some(first) if values.iter().all(|v| v.to_bits() == first.to_bits()) => return g.constant(*first),
+            None => return Found::Constant(0.0),
+            Some(first) if values.iter().all(|v| v.to_bits() == first.to_bits()) => return Found::Constant(*first),
             Some(_) => {}
         }
         let mut hasher = DefaultHasher::new();
@@ -119,17 +194,61 @@ impl Columns {
         let alike = self.by_hash.entry(hasher.finish()).or_default();
         let equal = |c: &&u32| self.data[**c as usize].iter().zip(&values).all(|(a, b)| a.to_bits() == b.to_bits());
         if let Some(column) = alike.iter().find(equal) {
-            return g.leaf(Leaf::Column(*column));
+            return Found::Column(*column);
         }
         #[expect(clippy::cast_possible_truncation, reason = "a record has a handful of columns")]
         let column = self.data.len() as u32;
         alike.push(column);
         self.data.push(values);
-        g.leaf(Leaf::Column(column))
+        Found::Column(column)
     }
 
     /// Value of column `column` at row `row` of the record.
     pub(super) fn value(&self, column: u32, row: usize) -> f64 {
         self.data[column as usize][row]
+    }
+
+    /// Sum over all `rows` of a node that is a column or a constant.
+    pub(super) fn sum(&self, g: &Graph, id: Id, rows: usize) -> f64 {
+        match g.node(id) {
+            Node::Leaf(Leaf::Column(column)) => self.data[column as usize].iter().sum(),
+            _ => g.value(id).unwrap_or(f64::NAN) * count(rows),
+        }
+    }
+
+    /// What scorer `of.0` counts as its `of.1`th number, one a trajectory; counted the first time only.
+    pub(super) fn counts(&mut self, of: (usize, usize), counts: impl FnOnce() -> Vec<f64>) -> Vec<f64> {
+        self.counts.entry(of).or_insert_with(counts).clone()
+    }
+}
+
+#[expect(clippy::cast_precision_loss, reason = "counts of rows stay far below 2^53")]
+const fn count(rows: usize) -> f64 {
+    rows as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_column_is_filled_once_and_equal_ones_are_one() {
+        let (mut columns, mut asked) = (Columns::default(), 0);
+        for _ in 0..3 {
+            // Every round of tracing has a graph of its own.
+            let mut g = Graph::default();
+            let mut node = |key, values: &[f64]| {
+                columns.node(&mut g, key, || {
+                    asked += 1;
+                    values.to_vec()
+                })
+            };
+            let (z, equal) = (node(Key::Measurement(0), &[1.0, 2.0]), node(Key::Weight(1, 1), &[1.0, 2.0]));
+            let (other, constant) = (node(Key::Measurement(1), &[1.0, 3.0]), node(Key::Dt, &[0.5, 0.5]));
+            assert!(z == equal && z != other, "by content");
+            assert_eq!((g.value(constant), g.value(z)), (Some(0.5), None), "what never changes is a number");
+            assert_eq!([z, other, constant].map(|id| columns.sum(&g, id, 2)), [3.0, 4.0, 1.0]);
+        }
+        assert_eq!(asked, 4, "in the first round only");
     }
 }

@@ -66,7 +66,7 @@ fn least_share(problem: &Problem, candidate: &[f64]) -> f64 {
 }
 
 /// The candidates that the rule looks at.
-fn corners(parameters: &Parameters) -> [Vec<f64>; 3] {
+pub(super) fn corners(parameters: &Parameters) -> [Vec<f64>; 3] {
     let finite = |bound: f64, init: f64| if bound.is_finite() { bound } else { init };
     let at = |bound: fn(&Search) -> [f64; 2]| {
         let value = |search: &Search| {
@@ -84,14 +84,14 @@ fn variances(tracer: &mut Tracer<'_>, candidate: &[f64]) -> (Vec<Id>, Vec<Id>) {
     let parameters = formula::parameters(&mut tracer.g, &tracer.problem.parameters, Some(candidate));
     let (inputs, dt) = tracer.inputs();
     let scope = Scope { states: &[], parameters: &parameters, inputs: &inputs, dt };
-    let p0 = tracer.covariance(&model.p0, scope);
-    let r = tracer.covariance(&model.r, scope);
+    let p0 = tracer.covariance(&model.p0, scope, &vec![0; model.states.len()]);
+    let r = tracer.covariance(&model.r, scope, &vec![0; model.measurements.len()]);
     let diagonal = |s: &super::symmetric::Symmetric| (0..s.n()).map(|i| s.at(i, i)).collect();
     (diagonal(&p0), diagonal(&r))
 }
 
 /// Every value that some nodes take over the rows of the log.
-fn over_rows(tracer: &Tracer<'_>, ids: &[Id], mut take: impl FnMut(f64)) {
+pub(super) fn over_rows(tracer: &Tracer<'_>, ids: &[Id], mut take: impl FnMut(f64)) {
     let constant = ids.iter().all(|id| tracer.g.depends(*id).is_constant());
     let rows = if constant { 1 } else { tracer.rows.spans().last().map_or(0, |s| s.end) };
     let mut calculator = Calculator::new(&tracer.g, ids);

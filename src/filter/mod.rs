@@ -18,6 +18,8 @@ mod symmetric;
 mod tests;
 mod trace;
 mod tracer;
+mod track;
+mod units;
 
 pub use carry::Entry;
 pub(crate) use columns::Place;
@@ -25,5 +27,6 @@ pub use error::TraceError;
 pub use form::Form;
 pub use nominal::Nominal;
 pub use program::{Carried, Program, Role, Span};
-pub(crate) use scoring::{Pools, Scoring, Traced};
+pub(crate) use scoring::{Pools, Scoring, Sum, Traced};
 pub use trace::{trace, trace_as};
+pub use units::Units;

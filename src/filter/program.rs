@@ -4,10 +4,12 @@ use super::carry::Entry;
 use super::form::Form;
 use super::nominal::Nominal;
 use super::scoring::{Pools, Traced};
+use super::units::Units;
 use crate::objective::{Constraint, Objective};
 use crate::tape::{Names, Tape};
 use std::fmt::{self, Display, Formatter};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// What becomes of a carried register.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -62,7 +64,7 @@ pub struct Program {
     /// Number of invariants.
     pub invariants: usize,
     /// Row-major f64 table of the scalars of [`Self::step`] that change from row to row.
-    pub record: Vec<f64>,
+    pub record: Arc<Vec<f64>>,
     /// Number of columns of the record.
     pub columns: usize,
     /// The other scalars of the step: constants that follow the columns.
@@ -71,7 +73,9 @@ pub struct Program {
     pub spans: Vec<Span>,
     /// What the last scorers are held against: their values become violations, not costs.
     pub constraints: Vec<Constraint>,
-    /// The nominal, in the deviation form.
+    /// The units in which states and measurements stand in the step.
+    pub units: Units,
+    /// The nominal, in the deviation form, in the problem's own units.
     pub nominal: Option<Nominal>,
     /// Entries of the predicted x, then of the predicted covariance: the upper triangle of P, or D with U above it,
     /// then of what an adaptive filter carries.
@@ -111,10 +115,27 @@ impl Program {
         self.carried.iter().filter(|c| matches!(c.role, Role::Sum | Role::Product)).count()
     }
 
-    /// The [`Self::scorers`] of one candidate from its totals (trajectories x [`Self::totals`]).
-    pub fn costs(&self, totals: &[f64], costs: &mut [f64]) {
-        for ((objective, traced), cost) in self.scorers.iter().zip(costs) {
-            *cost = objective.finish(&Pools { sums: totals, width: self.totals(), traced });
+    /// Numbers that a candidate's trajectories are [folded](Self::fold) into: pooled totals, and one a scorer.
+    #[must_use]
+    pub fn folded(&self) -> usize {
+        self.totals() + self.scorers.len()
+    }
+
+    /// Adds the totals of trajectory `t` to what those before it were folded into, 0 at first. The order of the
+    /// trajectories is that of the log.
+    pub fn fold(&self, t: usize, totals: &[f64], into: &mut [f64]) {
+        let (pooled, folded) = into.split_at_mut(totals.len());
+        pooled.iter_mut().zip(totals).for_each(|(pooled, total)| *pooled += total);
+        for ((objective, traced), folded) in self.scorers.iter().zip(folded) {
+            *folded += objective.of_trajectory(&Pools { totals, folded: 0.0, traced }, t);
+        }
+    }
+
+    /// The [`Self::scorers`] of one candidate from what its trajectories were folded into.
+    pub fn costs(&self, folded: &[f64], costs: &mut [f64]) {
+        let (totals, folded) = folded.split_at(self.totals());
+        for (((objective, traced), folded), cost) in self.scorers.iter().zip(folded).zip(costs) {
+            *cost = objective.finish(&Pools { totals, folded: *folded, traced });
         }
     }
 
@@ -136,6 +157,10 @@ impl Display for Program {
             self.carried.len()
         )?;
         writeln!(f, "# carries x and {form}")?;
+        if !self.units.are_own() {
+            let Units { states, measurements } = &self.units;
+            writeln!(f, "# in units of 2 to the {states:?} (states) and {measurements:?} (measurements)")?;
+        }
         writeln!(f, "# prologue, once a trajectory in f64: {}", self.prologue.counts())?;
         let names: Vec<String> = self
             .parameter_names

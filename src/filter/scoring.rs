@@ -1,12 +1,14 @@
 //! What objectives see of a filter while it is traced, and of its sums when it has run.
 
-use super::columns::{Columns, Place, Rows};
+use super::columns::{Columns, Key, Place, Rows};
 use super::covariance::Covariance;
 use super::kalman::Update;
 use super::nominal::Nominal;
 use super::program::Role;
+use super::units::Units;
 use crate::model::Problem;
 use crate::tape::{Graph, Id, Unary};
+use std::f64::consts::LN_2;
 
 /// Offers one row of the traced filter to the objectives and collects their sums.
 pub(crate) struct Scoring<'a> {
@@ -15,57 +17,74 @@ pub(crate) struct Scoring<'a> {
     pub(super) rows: &'a Rows<'a>,
     pub(super) problem: &'a Problem,
     pub(super) nominal: Option<&'a Nominal>,
+    pub(super) units: &'a Units,
     pub(super) update: &'a Update,
     pub(super) x: &'a [Id],
     pub(super) p: &'a Covariance,
     pub(super) sums: &'a mut Vec<(Role, Id)>,
     /// What a candidate fails without.
     pub(super) positive: &'a mut Vec<Id>,
+    /// Which scorer is being traced, and how many of its columns there are so far: the same in every round of refinement.
+    pub(super) asked: (usize, usize),
 }
 
-/// The sums of one objective: which slots of the program, and over how much they run.
+/// A node in units of 2^`exponent` of the problem's own.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Scaled {
+    id: Id,
+    exponent: i32,
+}
+
+/// What becomes of the total in a slot of the program: `factor * total + offset`, exactly 1 and 0 where the filter computes
+/// in the problem's own units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Sum {
+    slot: usize,
+    factor: f64,
+    offset: f64,
+}
+
+/// The sums of one objective, and over how much they run.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Traced {
-    /// Slots, in the objective's own order.
-    pub(crate) slots: Vec<usize>,
+    /// In the objective's own order.
+    pub(crate) sums: Vec<Sum>,
     /// The objective's count (components, rows), one a trajectory.
     pub(crate) counts: Vec<f64>,
 }
 
-/// For each trajectory the row from which its window of last measured rows begins.
-pub(crate) struct Window(Vec<usize>);
-
-impl Window {
-    /// Whether a row stands in the window (rows without a measurement may stand between those that count).
-    pub(crate) fn contains(&self, place: Place<'_>) -> bool {
-        place.k >= self.0[place.index]
-    }
-}
-
-impl Scoring<'_> {
+impl<'a> Scoring<'a> {
     /// Number of measurements, m.
     pub(crate) fn measurements(&self) -> usize {
         self.update.nu.len()
     }
 
     /// Squared joint innovation of measurement `i`.
-    pub(crate) fn squared_innovation(&mut self, i: usize) -> Id {
-        self.g.mul(self.update.nu[i], self.update.nu[i])
+    pub(crate) fn squared_innovation(&mut self, i: usize) -> Scaled {
+        let id = self.g.mul(self.update.nu[i], self.update.nu[i]);
+        self.variance(i, id)
     }
 
     /// Diagonal entry `i` of the joint S.
-    pub(crate) fn innovation_variance(&self, i: usize) -> Id {
-        self.update.S_diagonal[i]
+    pub(crate) fn innovation_variance(&self, i: usize) -> Scaled {
+        self.variance(i, self.update.S_diagonal[i])
     }
 
     /// Decorrelated innovation variance `i`; det S is their product.
-    pub(crate) fn pivot(&self, i: usize) -> Id {
-        self.update.pivots[i]
+    pub(crate) fn pivot(&self, i: usize) -> Scaled {
+        self.variance(i, self.update.pivots[i])
     }
 
-    /// Share `i` of the NIS, 0 where missing.
-    pub(crate) fn nis(&self, i: usize) -> Id {
-        self.update.nis[i]
+    /// In the squared unit of measurement `i`.
+    fn variance(&self, i: usize, id: Id) -> Scaled {
+        Scaled { id, exponent: 2 * self.units.measurements[i] }
+    }
+
+    /// The NIS of the row: the sum of its shares, 0 where missing.
+    pub(crate) fn nis(&mut self) -> Scaled {
+        let zero = self.g.constant(0.0);
+        let id = self.update.nis.iter().fold(zero, |sum, part| self.g.add(sum, *part));
+        Scaled { id, exponent: 0 }
     }
 
     /// Number of states, n.
@@ -73,33 +92,32 @@ impl Scoring<'_> {
         self.x.len()
     }
 
+    /// The rows that are scored.
+    pub(crate) const fn rows(&self) -> &'a Rows<'a> {
+        self.rows
+    }
+
+    fn next_key(&mut self) -> (usize, usize) {
+        self.asked.1 += 1;
+        self.asked
+    }
+
     /// A number per row, as a node.
     pub(crate) fn weight(&mut self, weight: impl Fn(Place<'_>) -> f64) -> Id {
-        self.columns.node(self.g, self.rows.places().map(weight).collect())
+        let (scorer, part) = self.next_key();
+        let rows = self.rows;
+        self.columns.node(self.g, Key::Weight(scorer, part), || rows.places().map(weight).collect())
     }
 
     /// Sums of a number per row, one a trajectory.
-    pub(crate) fn counts(&self, count: impl Fn(Place<'_>) -> f64) -> Vec<f64> {
-        let mut counts = vec![0.0; self.rows.log.trajectories.len()];
-        self.rows.places().for_each(|place| counts[place.index] += count(place));
-        counts
-    }
-
-    /// The last `window` rows of each trajectory that update the filter, those before `skip` left out.
-    pub(crate) fn last_measured(&self, skip: usize, window: usize) -> Window {
-        let mut measured = vec![Vec::new(); self.rows.log.trajectories.len()];
-        for place in self.rows.places().filter(|place| place.k >= skip && place.components() > 0) {
-            measured[place.index].push(place.k);
-        }
-        let begin =
-            |rows: &Vec<usize>| rows.get(rows.len().saturating_sub(window.max(1))).copied().unwrap_or(usize::MAX);
-        Window(measured.iter().map(begin).collect())
-    }
-
-    /// Sum of nodes.
-    pub(crate) fn total(&mut self, parts: &[Id]) -> Id {
-        let zero = self.g.constant(0.0);
-        parts.iter().fold(zero, |sum, part| self.g.add(sum, *part))
+    pub(crate) fn counts(&mut self, count: impl Fn(Place<'_>) -> f64) -> Vec<f64> {
+        let key = self.next_key();
+        let rows = self.rows;
+        self.columns.counts(key, || {
+            let mut counts = vec![0.0; rows.log.trajectories.len()];
+            rows.places().for_each(|place| counts[place.index] += count(place));
+            counts
+        })
     }
 
     /// Column of the truth table that belongs to state `i`.
@@ -109,33 +127,37 @@ impl Scoring<'_> {
 
     /// Posterior error x - truth of state `i`, meaningless where the truth is unknown.
     pub(crate) fn error(&mut self, i: usize) -> Id {
-        let column = self.truth_column(i);
-        let truth =
-            self.weight(|place| column.map_or(0.0, |c| Some(place.truth(c)).filter(|t| !t.is_nan()).unwrap_or(0.0)));
-        match self.nominal {
-            None => self.g.sub(self.x[i], truth),
-            Some(nominal) => {
-                let nominal = self.columns.node(self.g, nominal.at(i));
-                let truth = self.g.sub(truth, nominal);
-                self.g.sub(self.x[i], truth)
-            }
+        let (column, rows) = (self.truth_column(i), self.rows);
+        let known =
+            |place: Place<'_>| column.map_or(0.0, |c| Some(place.truth(c)).filter(|t| !t.is_nan()).unwrap_or(0.0));
+        let mut truth = self.columns.node(self.g, Key::Truth(i), || rows.places().map(known).collect());
+        if let Some(nominal) = self.nominal {
+            let nominal = self.columns.node(self.g, Key::Nominal(i), || nominal.at(i));
+            truth = self.g.sub(truth, nominal);
         }
+        truth = self.g.scale(truth, -self.units.states[i]);
+        self.g.sub(self.x[i], truth)
     }
 
-    /// Sum of the squared errors of some states.
-    pub(crate) fn squared_error(&mut self, states: &[usize]) -> Id {
-        let errors: Vec<Id> = states.iter().map(|i| self.error(*i)).collect();
-        self.g.dot(errors.iter().map(|e| (*e, *e)))
+    /// Sum of the squared errors of some states, in the largest of their units.
+    pub(crate) fn squared_error(&mut self, states: &[usize]) -> Scaled {
+        let unit = states.iter().map(|i| self.units.states[*i]).max().unwrap_or(0);
+        let error = |i: &usize| {
+            let error = self.error(*i);
+            self.g.scale(error, self.units.states[*i] - unit)
+        };
+        let errors: Vec<Id> = states.iter().map(error).collect();
+        Scaled { id: self.g.dot(errors.iter().map(|e| (*e, *e))), exponent: 2 * unit }
     }
 
-    /// Square root of a node.
-    pub(crate) fn sqrt(&mut self, a: Id) -> Id {
-        self.g.unary(Unary::Sqrt, a)
+    /// Square root of a squared error.
+    pub(crate) fn sqrt(&mut self, a: Scaled) -> Scaled {
+        Scaled { id: self.g.unary(Unary::Sqrt, a.id), exponent: a.exponent / 2 }
     }
 
     /// Normalised squared posterior error e' P^-1 e of all states where `gate` is positive, else 0. There P must be positive
     /// definite.
-    pub(crate) fn normalised_error(&mut self, gate: Id) -> Id {
+    pub(crate) fn normalised_error(&mut self, gate: Id) -> Scaled {
         let errors: Vec<Id> = (0..self.states()).map(|i| self.error(i)).collect();
         let (square, pivots) = self.p.normalised_square(self.g, &errors);
         let (zero, one) = (self.g.constant(0.0), self.g.constant(1.0));
@@ -143,27 +165,30 @@ impl Scoring<'_> {
             let positive = self.g.select(gate, pivot, one);
             self.positive.push(positive);
         }
-        self.g.select(gate, square, zero)
+        Scaled { id: self.g.select(gate, square, zero), exponent: 0 }
     }
 
-    /// Adds `weight * value` up over the rows of a trajectory; the slot of the sum.
-    pub(crate) fn sum(&mut self, value: Id, weight: Id) -> usize {
-        let value = self.g.mul(value, weight);
-        self.total_of(value)
+    /// Adds `weight * value` up over the rows of a trajectory.
+    pub(crate) fn sum(&mut self, value: Scaled, weight: Id) -> Sum {
+        let id = self.g.mul(value.id, weight);
+        self.total_of(Scaled { id, ..value })
     }
 
-    /// Adds `value` up over the rows of a trajectory; the slot of the sum.
-    pub(crate) fn total_of(&mut self, value: Id) -> usize {
-        self.slot(Role::Sum, value)
+    /// Adds `value` up over the rows of a trajectory.
+    pub(crate) fn total_of(&mut self, value: Scaled) -> Sum {
+        let slot = self.slot(Role::Sum, value.id);
+        Sum { slot, factor: 2.0_f64.powi(value.exponent), offset: 0.0 }
     }
 
-    /// Multiplies `value` up over the rows where `gate` is positive; the slot holds the logarithm of the product, which
-    /// stays 0 once a factor was not positive.
-    pub(crate) fn log_product(&mut self, value: Id, gate: Id) -> usize {
+    /// Multiplies `value` up over the rows where `gate`, 0 or 1, is positive; the slot holds the logarithm of the product,
+    /// which stays 0 once a factor was not positive.
+    pub(crate) fn log_product(&mut self, value: Scaled, gate: Id) -> Sum {
         let one = self.g.constant(1.0);
-        let value = self.g.unary(Unary::Positive, value);
-        let factor = self.g.select(gate, value, one);
-        self.slot(Role::Product, factor)
+        let positive = self.g.unary(Unary::Positive, value.id);
+        let factor = self.g.select(gate, positive, one);
+        let factors = self.columns.sum(self.g, gate, self.rows.len());
+        let slot = self.slot(Role::Product, factor);
+        Sum { slot, factor: 1.0, offset: factors * f64::from(value.exponent) * LN_2 }
     }
 
     fn slot(&mut self, role: Role, value: Id) -> usize {
@@ -174,29 +199,31 @@ impl Scoring<'_> {
     }
 }
 
-/// The sums of one objective after a run.
+/// The totals of a run that one objective reads: of one trajectory, or pooled over all.
+#[derive(Debug, Clone, Copy)]
 pub(crate) struct Pools<'a> {
-    /// Trajectories x slots of the program.
-    pub(super) sums: &'a [f64],
-    /// Slots of the program.
-    pub(super) width: usize,
+    /// One a slot of the program.
+    pub(super) totals: &'a [f64],
+    /// What [`Objective::of_trajectory`](crate::objective::Objective::of_trajectory) gave, summed over the trajectories.
+    pub(super) folded: f64,
     pub(super) traced: &'a Traced,
 }
 
 impl Pools<'_> {
-    /// The objective's sum `j` in trajectory `t`.
-    pub(crate) fn of(&self, t: usize, j: usize) -> f64 {
-        self.sums[t * self.width + self.traced.slots[j]]
-    }
-
-    /// The objective's sum `j`, pooled.
+    /// The objective's sum `j`, in the problem's own units.
     pub(crate) fn total(&self, j: usize) -> f64 {
-        (0..self.traced.counts.len()).map(|t| self.of(t, j)).sum()
+        let Sum { slot, factor, offset } = self.traced.sums[j];
+        factor * self.totals[slot] + offset
     }
 
     /// Number of sums.
     pub(crate) fn len(&self) -> usize {
-        self.traced.slots.len()
+        self.traced.sums.len()
+    }
+
+    /// What was worked out for each trajectory, summed over them.
+    pub(crate) const fn folded(&self) -> f64 {
+        self.folded
     }
 
     /// The objective's count in each trajectory.

@@ -5,46 +5,57 @@ use super::tracer::Tracer;
 use crate::model::Start;
 use crate::tape::{Calculator, Id, Leaf};
 use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 
-/// What [`Leaf::Start`] stands for in trajectory `t`: the n states taken from the first measurement (where x0 asks for it),
-/// then the n states of the nominal at the first row (where there is one), then the interval after that row.
-pub(super) fn start_values(tracer: &mut Tracer<'_>, t: usize, row: usize) -> Result<Vec<f64>, TraceError> {
+/// What [`Leaf::Start`] stands for in each trajectory, whose rows of the record are given: the n states taken from the first
+/// measurement (where x0 asks for it), then the n states of the nominal at the first row (where there is one), then the
+/// interval after that row.
+pub(super) fn starts(tracer: &mut Tracer<'_>, spans: &[Range<usize>]) -> Result<Vec<Vec<f64>>, TraceError> {
     let n = tracer.problem.model.states.len();
-    let mut values = vec![f64::NAN; n];
-    if tracer.problem.model.x0 == Start::Measurement {
-        values = measured_start(tracer, t, row)?;
-    }
-    if let Some(nominal) = tracer.nominal {
-        values.extend(nominal.states[row * n..].iter().take(n));
-        values.resize(2 * n, f64::NAN);
-    }
-    values.push(tracer.rows.first_intervals()[t]);
-    Ok(values)
+    let measured = tracer.problem.model.x0 == Start::Measurement;
+    let mut start = measured.then(|| MeasuredStart::new(tracer)).transpose()?;
+    let intervals = tracer.rows.first_intervals();
+    let values = |(t, (span, interval)): (usize, (&Range<usize>, f64))| {
+        let mut values = start.as_mut().map_or_else(|| vec![f64::NAN; n], |start| start.of(tracer, t, span.start));
+        if let Some(nominal) = tracer.nominal {
+            values.extend(nominal.states[span.start * n..].iter().take(n));
+            values.resize(2 * n, f64::NAN);
+        }
+        values.push(interval);
+        values
+    };
+    Ok(spans.iter().zip(intervals).enumerate().map(values).collect())
 }
 
-/// x = pinv(H) (z - h(0)) at the first used row; unmeasured directions are 0.
-fn measured_start(tracer: &mut Tracer<'_>, t: usize, row: usize) -> Result<Vec<f64>, TraceError> {
-    let (n, m) = (tracer.problem.model.states.len(), tracer.problem.model.measurements.len());
-    let trajectory = &tracer.rows.log.trajectories[t];
-    let Some(z) = (tracer.rows.first[t] < trajectory.len()).then(|| trajectory.z.row(tracer.rows.first[t])) else {
-        return Ok(vec![f64::NAN; n]);
-    };
-    let baseline = tracer.problem.parameters.baseline();
-    let (jacobian, offset) = tracer.measurement_map(&baseline)?;
-    let ids: Vec<Id> = jacobian.into_iter().flatten().chain(offset).collect();
-    let mut calculator = Calculator::new(&tracer.g, &ids);
-    let values: Vec<f64> = calculator
-        .evaluate(|leaf| match leaf {
+/// H and h(0) of the baseline, to be taken at any row.
+struct MeasuredStart(Calculator);
+
+impl MeasuredStart {
+    fn new(tracer: &mut Tracer<'_>) -> Result<Self, TraceError> {
+        let (jacobian, offset) = tracer.measurement_map(&tracer.problem.parameters.baseline())?;
+        let ids: Vec<Id> = jacobian.into_iter().flatten().chain(offset).collect();
+        Ok(Self(Calculator::new(&tracer.g, &ids)))
+    }
+
+    /// x = pinv(H) (z - h(0)) at the first used row of trajectory `t`; unmeasured directions are 0.
+    fn of(&mut self, tracer: &Tracer<'_>, t: usize, row: usize) -> Vec<f64> {
+        let (n, m) = (tracer.problem.model.states.len(), tracer.problem.model.measurements.len());
+        let trajectory = &tracer.rows.log.trajectories[t];
+        let Some(z) = (tracer.rows.first[t] < trajectory.len()).then(|| trajectory.z.row(tracer.rows.first[t])) else {
+            return vec![f64::NAN; n];
+        };
+        let leaf = |leaf| match leaf {
             Leaf::Column(c) => tracer.columns.value(c, row),
             _ => f64::NAN,
-        })
-        .collect();
-    let h = DMatrix::from_row_slice(m, n, &values[..m * n]);
-    let residual = DVector::from_iterator(m, z.iter().zip(&values[m * n..]).map(|(z, offset)| z - offset));
-    // The singular values of a measurement matrix are far from the rounding error that this bound stands for.
-    let rounding = 1e-12 * h.norm();
-    let inverse = h.pseudo_inverse(rounding).unwrap_or_else(|_| DMatrix::zeros(n, m));
-    Ok((inverse * residual).as_slice().to_vec())
+        };
+        let values: Vec<f64> = self.0.evaluate(leaf).collect();
+        let h = DMatrix::from_row_slice(m, n, &values[..m * n]);
+        let residual = DVector::from_iterator(m, z.iter().zip(&values[m * n..]).map(|(z, offset)| z - offset));
+        // The singular values of a measurement matrix are far from the rounding error that this bound stands for.
+        let rounding = 1e-12 * h.norm();
+        let inverse = h.pseudo_inverse(rounding).unwrap_or_else(|_| DMatrix::zeros(n, m));
+        (inverse * residual).as_slice().to_vec()
+    }
 }
 
 #[cfg(test)]

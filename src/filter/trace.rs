@@ -9,8 +9,9 @@ use super::form::Form;
 use super::nominal::Nominal;
 use super::program::{Carried, Program, Role, Span};
 use super::scoring::{Scoring, Traced};
-use super::start::start_values;
+use super::start::starts;
 use super::tracer::{Tracer, narrow};
+use super::units::Units;
 use crate::data::Log;
 use crate::model::Problem;
 use crate::objective::Objective;
@@ -47,10 +48,21 @@ pub fn trace_as(
     check_columns(problem, log)?;
     let rows = Rows::new(problem, log);
     let mut columns = Columns::default();
+    let mut units = Units::own(problem.model.states.len(), problem.model.measurements.len());
+    let mut tracer = Tracer {
+        g: Graph::default(),
+        columns: &mut columns,
+        rows: &rows,
+        problem,
+        nominal: nominal.as_ref(),
+        units: &units,
+    };
+    units = Units::choose(&mut tracer)?;
     let (mut form, mut partition) = (form, None);
     loop {
         let g = Graph::default();
-        let mut tracer = Tracer { g, columns: &mut columns, rows: &rows, problem, nominal: nominal.as_ref() };
+        let nominal_of = nominal.as_ref();
+        let mut tracer = Tracer { g, columns: &mut columns, rows: &rows, problem, nominal: nominal_of, units: &units };
         let chosen = form.map_or_else(|| Form::choose(&mut tracer), Ok)?;
         form = Some(chosen);
         let (x, p) = tracer.start(chosen)?;
@@ -112,13 +124,19 @@ impl Step {
             rows: tracer.rows,
             problem: tracer.problem,
             nominal: tracer.nominal,
+            units: tracer.units,
             update: &update,
             x: &x,
             p: &p,
             sums: &mut sums,
             positive: &mut positive,
+            asked: (0, 0),
         };
-        let traced = objectives.iter().map(|o| o.trace(&mut scoring)).collect();
+        let of = |(scorer, objective): (usize, &Objective)| {
+            scoring.asked = (scorer, 0);
+            objective.trace(&mut scoring)
+        };
+        let traced = objectives.iter().enumerate().map(of).collect();
         positive.retain(|value| {
             let factor = tracer.g.unary(Unary::Positive, *value);
             !sums.contains(&(Role::Product, factor))
@@ -139,8 +157,7 @@ impl Step {
         objectives: &[Objective],
     ) -> Result<Program, TraceError> {
         let spans = tracer.rows.spans();
-        let starts: Vec<Vec<f64>> =
-            (0..spans.len()).map(|t| start_values(tracer, t, spans[t].start)).collect::<Result<_, _>>()?;
+        let starts = starts(tracer, &spans)?;
         let representatives = partition.representatives();
         let carried = self.carried(tracer.problem, &representatives);
         let leaves: Vec<Id> = (0..carried.len()).map(|i| tracer.g.leaf(Leaf::Carried(narrow(i)))).collect();
@@ -166,11 +183,12 @@ impl Step {
             carried,
             varies,
             invariants: invariants.len(),
-            record,
+            record: record.into(),
             columns,
             constants,
             spans,
             constraints: Vec::new(),
+            units: tracer.units.clone(),
             nominal: None,
             entries: partition.entries(),
             names,

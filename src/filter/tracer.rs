@@ -2,7 +2,7 @@
 //! form around a nominal.
 #![expect(non_snake_case, reason = "Kalman notation: F, H, Q, R, P")]
 
-use super::columns::{Columns, Place, Rows};
+use super::columns::{Columns, Key, Place, Rows};
 use super::covariance::Covariance;
 use super::error::TraceError;
 use super::form::Form;
@@ -10,6 +10,7 @@ use super::formula::{self, Scope};
 use super::kalman::Recursion;
 use super::nominal::Nominal;
 use super::symmetric::Symmetric;
+use super::units::Units;
 use crate::model::{Expr, First, Problem, Start};
 use crate::tape::{Graph, Id, Leaf};
 
@@ -36,6 +37,8 @@ pub(super) struct Tracer<'a> {
     pub(super) rows: &'a Rows<'a>,
     pub(super) problem: &'a Problem,
     pub(super) nominal: Option<&'a Nominal>,
+    /// In which the filter computes; formulas, columns and the nominal are in the problem's own.
+    pub(super) units: &'a Units,
 }
 
 impl Tracer<'_> {
@@ -45,8 +48,8 @@ impl Tracer<'_> {
         let m = model.measurements.len();
         let (inputs, dt) = self.inputs();
         let z: Vec<Id> =
-            (0..m).map(|i| self.column(|place| zero_if_missing(place.trajectory.z.row(place.k)[i]))).collect();
-        let present = (0..m).map(|i| self.column(|place| f64::from(u8::from(place.present(i))))).collect();
+            (0..m).map(|i| self.column(Key::Measurement(i), |p| zero_if_missing(p.trajectory.z.row(p.k)[i]))).collect();
+        let present = (0..m).map(|i| self.column(Key::Present(i), |p| f64::from(u8::from(p.present(i))))).collect();
         let f = self.linear(&model.f, &inputs, dt, ("f", &model.states))?;
         let h = self.linear(&model.h, &inputs, dt, ("h", &model.measurements))?;
         let (mut innovations, mut drift) = (Vec::with_capacity(m), Vec::with_capacity(f.fixed.len()));
@@ -59,8 +62,31 @@ impl Tracer<'_> {
         }
         let parameters = formula::parameters(&mut self.g, &self.problem.parameters, None);
         let scope = Scope { states: &[], parameters: &parameters, inputs: &inputs, dt };
-        let (Q, R) = (Covariance::Full(self.covariance(&model.q, scope)), self.covariance(&model.r, scope));
-        Ok(Recursion { F: f.jacobian, H: h.jacobian, Q, R, drift, z: innovations, present })
+        let (x, y) = (&self.units.states, &self.units.measurements);
+        Ok(Recursion {
+            F: self.scaled_map(f.jacobian, x),
+            H: self.scaled_map(h.jacobian, y),
+            Q: Covariance::Full(self.covariance(&model.q, scope, x)),
+            R: self.covariance(&model.r, scope, y),
+            drift: self.scaled(&drift, x),
+            z: self.scaled(&innovations, y),
+            present,
+        })
+    }
+
+    /// Values from the problem's units to those of the filter.
+    fn scaled(&mut self, values: &[Id], units: &[i32]) -> Vec<Id> {
+        values.iter().zip(units).map(|(value, unit)| self.g.scale(*value, -unit)).collect()
+    }
+
+    /// The same for a matrix that takes states to what has `units`.
+    fn scaled_map(&mut self, mut rows: Vec<Vec<Id>>, units: &[i32]) -> Vec<Vec<Id>> {
+        for (row, unit) in rows.iter_mut().zip(units) {
+            for (entry, state) in row.iter_mut().zip(&self.units.states) {
+                *entry = self.g.scale(*entry, state - unit);
+            }
+        }
+        rows
     }
 
     /// H and h(0) of a candidate, at every row.
@@ -71,18 +97,25 @@ impl Tracer<'_> {
         Ok((h.jacobian, h.offset))
     }
 
+    /// F of a candidate, at every row.
+    pub(super) fn transition_map(&mut self, candidate: &[f64]) -> Result<Vec<Vec<Id>>, TraceError> {
+        let model = &self.problem.model;
+        let (inputs, dt) = self.inputs();
+        Ok(self.affine(&model.f, Some(candidate), &inputs, dt, ("f", &model.states))?.jacobian)
+    }
+
     /// Inputs and dt of every row. What follows the last row is never used: dt repeats there and inputs may be 0.
     pub(super) fn inputs(&mut self) -> (Vec<Id>, Id) {
-        let dt = self.column(|place| place.dt());
+        let dt = self.column(Key::Dt, |place| place.dt());
         let inputs = (0..self.problem.model.inputs.len())
-            .map(|i| self.column(|place| zero_if_missing(place.trajectory.u.row(place.k)[i])))
+            .map(|i| self.column(Key::Input(i), |place| zero_if_missing(place.trajectory.u.row(place.k)[i])))
             .collect();
         (inputs, dt)
     }
 
     /// The node of a value for every used row.
-    pub(super) fn column(&mut self, value: impl Fn(Place<'_>) -> f64) -> Id {
-        self.columns.node(&mut self.g, self.rows.places().map(value).collect())
+    pub(super) fn column(&mut self, key: Key, value: impl Fn(Place<'_>) -> f64) -> Id {
+        self.columns.node(&mut self.g, key, || self.rows.places().map(value).collect())
     }
 
     /// The recursion that steps from one interval before the first row to it.
@@ -92,9 +125,10 @@ impl Tracer<'_> {
         let f = self.affine(&model.f, None, &[], dt, ("f", &model.states))?;
         let parameters = formula::parameters(&mut self.g, &self.problem.parameters, None);
         let scope = Scope { states: &[], parameters: &parameters, inputs: &[], dt };
-        let Q = Covariance::Full(self.covariance(&model.q, scope));
-        let R = Symmetric::from_fn(0, |_, _| dt);
-        Ok(Recursion { F: f.jacobian, H: vec![], Q, R, drift: f.offset, z: vec![], present: vec![] })
+        let units = &self.units.states;
+        let Q = Covariance::Full(self.covariance(&model.q, scope, units));
+        let (F, drift) = (self.scaled_map(f.jacobian, units), self.scaled(&f.offset, units));
+        Ok(Recursion { F, H: vec![], Q, R: Symmetric::from_fn(0, |_, _| dt), drift, z: vec![], present: vec![] })
     }
 
     /// x0 and P0 at the first row, in deviation from the nominal if there is one.
@@ -108,7 +142,8 @@ impl Tracer<'_> {
             Start::Values(values) => values.iter().map(|v| formula::trace(&mut self.g, v, scope)).collect(),
             Start::Measurement => (0..n).map(|i| self.g.leaf(Leaf::Start(narrow(i)))).collect(),
         };
-        let P = self.covariance(&model.p0, scope);
+        x = self.scaled(&x, &self.units.states);
+        let P = self.covariance(&model.p0, scope, &self.units.states);
         let mut P = Covariance::new(&mut self.g, form, P);
         if let First::Predict { dt } = model.first {
             let dt = dt.or_else(|| self.rows.log.regular_dt()).ok_or(TraceError::NoFirstInterval)?;
@@ -118,15 +153,20 @@ impl Tracer<'_> {
         if self.nominal.is_some() {
             for (i, x) in x.iter_mut().enumerate() {
                 let nominal = self.g.leaf(Leaf::Start(narrow(n + i)));
+                let nominal = self.g.scale(nominal, -self.units.states[i]);
                 *x = self.g.sub(*x, nominal);
             }
         }
         Ok((x, P))
     }
 
-    pub(super) fn covariance(&mut self, entries: &[Expr], scope: Scope<'_>) -> Symmetric {
-        let n = entries.len().isqrt();
-        Symmetric::from_fn(n, |i, j| formula::trace(&mut self.g, &entries[i * n + j], scope))
+    /// A covariance of what has `units`, in the filter's.
+    pub(super) fn covariance(&mut self, entries: &[Expr], scope: Scope<'_>, units: &[i32]) -> Symmetric {
+        let n = units.len();
+        Symmetric::from_fn(n, |i, j| {
+            let entry = formula::trace(&mut self.g, &entries[i * n + j], scope);
+            self.g.scale(entry, -units[i] - units[j])
+        })
     }
 
     /// f or h around the nominal: its Jacobian, and what is to be added to F x (f) or taken from z (h).
@@ -144,7 +184,7 @@ impl Tracer<'_> {
         };
         let at = self.affine(formulas, Some(&nominal.candidate), inputs, dt, what)?;
         let n = self.problem.model.states.len();
-        let x: Vec<Id> = (0..n).map(|i| self.columns.node(&mut self.g, nominal.at(i))).collect();
+        let x: Vec<Id> = (0..n).map(|i| self.columns.node(&mut self.g, Key::Nominal(i), || nominal.at(i))).collect();
         let mut local = Local { jacobian: vec![], fixed: vec![], moved: vec![] };
         for i in 0..formulas.len() {
             // f_theta0(x_nom) is the same for every candidate and is taken in f64, once; what theta changes is added:
@@ -152,7 +192,7 @@ impl Tracer<'_> {
             let fixed = self.g.dot(at.jacobian[i].iter().copied().zip(x.iter().copied()));
             let mut fixed = self.g.add(fixed, at.offset[i]);
             if what.0 == "f" {
-                let next = self.columns.node(&mut self.g, nominal.next(i, self.rows));
+                let next = self.columns.node(&mut self.g, Key::NextNominal(i), || nominal.next(i, self.rows));
                 fixed = self.g.sub(fixed, next);
             }
             let change = self.g.sub(theta.offset[i], at.offset[i]);

@@ -1,26 +1,25 @@
 //! Objectives of the innovations: `mse_innovation`, `nis`, and what others share with them.
 
 use super::Objective;
-use crate::filter::{Pools, Scoring, Traced};
+use crate::filter::{Pools, Scoring, Sum, Traced};
 
-/// The slot of sum NIS over the rows that score.
-pub(super) fn nis_slot(objective: &Objective, scoring: &mut Scoring<'_>) -> usize {
+/// The sum of NIS over the rows that score.
+pub(super) fn nis_sum(objective: &Objective, scoring: &mut Scoring<'_>) -> Sum {
     let skip = objective.skip;
-    let shares = (0..scoring.measurements()).map(|i| scoring.nis(i)).collect::<Vec<_>>();
-    let total = scoring.total(&shares);
+    let total = scoring.nis();
     let weight = scoring.weight(|place| f64::from(u8::from(place.k >= skip)));
     scoring.sum(total, weight)
 }
 
 /// Number of present components over the rows that score.
-pub(super) fn component_counts(objective: &Objective, scoring: &Scoring<'_>) -> Vec<f64> {
+pub(super) fn component_counts(objective: &Objective, scoring: &mut Scoring<'_>) -> Vec<f64> {
     let skip = objective.skip;
     scoring.counts(|place| if place.k >= skip { count(place.components()) } else { 0.0 })
 }
 
 /// `nis` and `nis_mean`.
 pub(super) fn trace_nis(objective: &Objective, scoring: &mut Scoring<'_>) -> Traced {
-    Traced { slots: vec![nis_slot(objective, scoring)], counts: component_counts(objective, scoring) }
+    Traced { sums: vec![nis_sum(objective, scoring)], counts: component_counts(objective, scoring) }
 }
 
 /// sum NIS / number of present components: 1 when consistent.
@@ -36,14 +35,14 @@ pub(super) fn finish_nis(pools: &Pools<'_>) -> f64 {
 /// `mse_innovation` (f1): one sum of nu^2 of the present components.
 pub(super) fn trace_mse(objective: &Objective, scoring: &mut Scoring<'_>) -> Traced {
     let skip = objective.skip;
-    let slots = (0..scoring.measurements())
+    let sums = (0..scoring.measurements())
         .map(|i| {
             let weight = scoring.weight(|place| f64::from(u8::from(place.k >= skip && place.present(i))));
             let square = scoring.squared_innovation(i);
             scoring.sum(square, weight)
         })
         .collect();
-    Traced { slots, counts: component_counts(objective, scoring) }
+    Traced { sums, counts: component_counts(objective, scoring) }
 }
 
 /// sum nu^2 / number of present components.

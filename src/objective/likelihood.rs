@@ -4,16 +4,16 @@ use super::Objective;
 use crate::filter::{Pools, Scoring, Traced};
 use std::f64::consts::TAU;
 
-/// Slots: the sum of NIS, then ln det S in pieces.
+/// Sums: that of NIS, then ln det S in pieces.
 pub(super) fn trace(objective: &Objective, scoring: &mut Scoring<'_>) -> Traced {
     let skip = objective.skip;
-    let mut slots = vec![super::innovation::nis_slot(objective, scoring)];
+    let mut sums = vec![super::innovation::nis_sum(objective, scoring)];
     for i in 0..scoring.measurements() {
         let gate = scoring.weight(|place| f64::from(u8::from(place.k >= skip && place.present(i))));
         let pivot = scoring.pivot(i);
-        slots.push(scoring.log_product(pivot, gate));
+        sums.push(scoring.log_product(pivot, gate));
     }
-    Traced { slots, counts: super::innovation::component_counts(objective, scoring) }
+    Traced { sums, counts: super::innovation::component_counts(objective, scoring) }
 }
 
 /// 1/2 (count ln 2 pi + ln det S + sum NIS).

@@ -108,7 +108,15 @@ impl Objective {
         }
     }
 
-    /// The cost, from the sums of a run.
+    /// What cannot be pooled is worked out for trajectory `t` from its sums, and then summed over trajectories.
+    pub(crate) fn of_trajectory(&self, pools: &Pools<'_>, t: usize) -> f64 {
+        match self.kind {
+            Kind::Mismatch => mismatch::of_trajectory(pools, t),
+            _ => 0.0,
+        }
+    }
+
+    /// The cost, from the pooled sums of a run.
     pub(crate) fn finish(&self, pools: &Pools<'_>) -> f64 {
         match self.kind {
             Kind::Nll => likelihood::finish(pools),

@@ -25,7 +25,7 @@ fn with_truth(objective: &Objective, scoring: &mut Scoring<'_>, states: &[usize]
     if root {
         value = scoring.sqrt(value);
     }
-    Traced { slots: vec![scoring.sum(value, weight)], counts }
+    Traced { sums: vec![scoring.sum(value, weight)], counts }
 }
 
 /// `rmse`: squared error of the named states.
@@ -57,7 +57,7 @@ pub(super) fn trace_nees(objective: &Objective, scoring: &mut Scoring<'_>) -> Tr
     let counts = scoring.counts(|place| n * known(place, &columns, skip));
     // Not weight * value: where the truth is unknown P may be singular, and 0 times infinity is no number.
     let value = scoring.normalised_error(weight);
-    Traced { slots: vec![scoring.total_of(value)], counts }
+    Traced { sums: vec![scoring.total_of(value)], counts }
 }
 
 /// sum NEES / (n x rows): 1 when consistent.

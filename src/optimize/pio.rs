@@ -110,22 +110,19 @@ impl Pio {
         (self.settings.population >> halvings).max(1)
     }
 
-    const fn stream(&self, pigeon: usize) -> Stream {
-        Stream::new(self.settings.seed, Purpose::Move, self.iteration as u64, pigeon as u64)
-    }
-
     fn map_and_compass(&mut self) {
         let damping = (-self.rules.r * self.iteration as f64).exp();
-        for i in 0..self.x.len() {
-            let mut draws = Draws::new(self.stream(i), self.rules.draw_per_coordinate);
-            let (x, v) = (self.x.row_mut(i), self.v.row_mut(i));
+        let (space, rules, best) = (&self.space, &self.rules, &self.best.position);
+        let stream = streams(self.settings.seed, self.iteration);
+        swarm::for_each(&mut self.x, &mut self.v, |i, x, v| {
+            let mut draws = Draws::new(stream(i), rules.draw_per_coordinate);
             for d in 0..x.len() {
-                let velocity = v[d] * damping + draws.next() * (self.best.position[d] - x[d]);
-                x[d] += if self.rules.new_velocity { velocity } else { v[d] };
+                let velocity = v[d] * damping + draws.next() * (best[d] - x[d]);
+                x[d] += if rules.new_velocity { velocity } else { v[d] };
                 v[d] = velocity;
             }
-            self.space.clip(x);
-        }
+            space.clip(x);
+        });
     }
 
     fn landmark(&mut self) {
@@ -133,14 +130,16 @@ impl Pio {
         self.sort();
         let weights = landmark_weights(&self.cost[..self.leaders], self.rules.inverse_weight);
         let centre = weighted_mean(&self.x, &weights);
-        for i in 0..self.x.len() {
-            let mut draws = Draws::new(self.stream(i), self.rules.draw_per_coordinate);
-            let x = self.x.row_mut(i);
+        let (space, rules) = (&self.space, &self.rules);
+        let stream = streams(self.settings.seed, self.iteration);
+        // Of the velocities, which rest from here on, there may be more than pigeons.
+        swarm::for_each(&mut self.x, &mut self.v, |i, x, _| {
+            let mut draws = Draws::new(stream(i), rules.draw_per_coordinate);
             for (x, centre) in x.iter_mut().zip(&centre) {
                 *x += draws.next() * (centre - *x);
             }
-            self.space.clip(x);
-        }
+            space.clip(x);
+        });
     }
 
     /// Sorts the flock by cost (stable), and discards all but the leaders unless the flock is kept.
@@ -157,6 +156,11 @@ impl Pio {
         self.cost = order.iter().map(|i| self.cost[*i]).collect();
         self.x = sorted;
     }
+}
+
+/// The draws of each pigeon in an iteration.
+const fn streams(seed: u64, iteration: usize) -> impl Fn(usize) -> Stream {
+    move |pigeon| Stream::new(seed, Purpose::Move, iteration as u64, pigeon as u64)
 }
 
 /// One draw for all coordinates of a pigeon, or one each.
@@ -184,7 +188,10 @@ fn landmark_weights(costs: &[f64], inverse: bool) -> Vec<f64> {
         return vec![1.0; costs.len()];
     };
     let shift = if min > 0.0 { 0.0 } else { usable.iter().map(|c| c - min).sum::<f64>() / usable.len() as f64 - min };
-    let weight = |cost: f64| if inverse { 1.0 / (cost + shift + EPSILON) } else { (cost + shift).max(EPSILON) };
+    // Costs may be as small as the square of a small unit.
+    let mean = usable.iter().map(|c| c + shift).sum::<f64>() / usable.len() as f64;
+    let epsilon = if mean > 0.0 { EPSILON * mean.min(1.0) } else { EPSILON };
+    let weight = |cost: f64| if inverse { 1.0 / (cost + shift + epsilon) } else { (cost + shift).max(epsilon) };
     costs.iter().map(|c| if *c < Evaluation::FAILED { weight(*c) } else { 0.0 }).collect()
 }
 
@@ -272,6 +279,9 @@ mod tests {
         assert_weights(&[4.0, Evaluation::FAILED], true, &[0.25, 0.0]);
         assert_weights(&[Evaluation::FAILED; 2], true, &[1.0, 1.0]);
         assert_weights(&[0.0, 0.0], false, &[1e-12, 1e-12]);
+        // Of errors in nanometres, squared: the same weights but for the unit.
+        assert_weights(&[0.5e-18, 2e-18], true, &[2e18, 0.5e18]);
+        assert_weights(&[0.5e-18, 2e-18], false, &[0.5e-18, 2e-18]);
     }
 
     #[test]

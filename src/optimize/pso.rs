@@ -95,17 +95,18 @@ impl Pso {
     fn advance(&mut self) {
         let Rules { own: c1, swarm: c2, .. } = self.rules;
         let w = self.inertia();
-        for i in 0..self.x.len() {
-            let mut stream = Stream::new(self.settings.seed, Purpose::Move, self.iteration as u64, i as u64);
-            let own_best = self.own_best.row(i);
-            let (x, v) = (self.x.row_mut(i), self.v.row_mut(i));
+        let (space, seed, iteration) = (&self.space, self.settings.seed, self.iteration as u64);
+        let (own, best) = (&self.own_best, &self.best.position);
+        swarm::for_each(&mut self.x, &mut self.v, |i, x, v| {
+            let mut stream = Stream::new(seed, Purpose::Move, iteration, i as u64);
+            let own_best = own.row(i);
             for d in 0..x.len() {
                 let (r1, r2) = (stream.uniform(), stream.uniform());
-                v[d] = w * v[d] + c1 * r1 * (own_best[d] - x[d]) + c2 * r2 * (self.best.position[d] - x[d]);
+                v[d] = w * v[d] + c1 * r1 * (own_best[d] - x[d]) + c2 * r2 * (best[d] - x[d]);
                 x[d] += v[d];
             }
-            self.space.clip(x);
-        }
+            space.clip(x);
+        });
     }
 }
 

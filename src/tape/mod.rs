@@ -9,6 +9,7 @@ mod differentiate;
 mod graph;
 pub mod lanes;
 mod print;
+mod scale;
 mod schedule;
 mod simplify;
 mod terms;

@@ -14,6 +14,9 @@ mod case;
 #[path = "../parity/cases/mod.rs"]
 mod cases;
 mod constraints;
+#[path = "../units/family.rs"]
+#[allow(dead_code, reason = "shared with the lanes")]
+mod family;
 mod faults;
 mod grid;
 #[path = "../parity/logs.rs"]
@@ -24,6 +27,8 @@ mod parts;
 #[path = "../parity/promise.rs"]
 #[allow(dead_code, reason = "shared with the parity of the CPU")]
 mod promise;
+mod trajectories;
+mod units;
 
 use case::Case;
 use kfgpu::evaluate::gpu::{GpuEvaluator, GpuOptions, adapters};
@@ -34,7 +39,7 @@ use std::sync::OnceLock;
 /// The adapter to test on: the first, which is real hardware where there is any. `None` skips the test.
 fn adapter() -> Option<String> {
     static NAME: OnceLock<Option<String>> = OnceLock::new();
-    let policy = std::env::var("KFGPU_TEST_GPU").unwrap_or_else(|_| "auto".to_owned());
+    let policy = policy();
     assert!(["auto", "require", "off"].contains(&policy.as_str()), "KFGPU_TEST_GPU is {policy}: auto, require or off");
     let find = || if policy == "off" { None } else { adapters().into_iter().next().map(|a| a.name) };
     let name = NAME.get_or_init(find).clone();
@@ -44,6 +49,21 @@ fn adapter() -> Option<String> {
         let _ = writeln!(std::io::stderr(), "SKIPPED, no GPU adapter to test on (KFGPU_TEST_GPU={policy})");
     }
     name
+}
+
+/// The same, if it has f64; `require` fails without.
+fn adapter_with_f64() -> Option<String> {
+    let name = adapter()?;
+    let has_f64 = adapters().iter().any(|adapter| adapter.name == name && adapter.f64);
+    assert!(has_f64 || policy() != "require", "KFGPU_TEST_GPU=require and `{name}` has no f64");
+    if !has_f64 {
+        let _ = writeln!(std::io::stderr(), "SKIPPED in f64, which `{name}` has not");
+    }
+    has_f64.then_some(name)
+}
+
+fn policy() -> String {
+    std::env::var("KFGPU_TEST_GPU").unwrap_or_else(|_| "auto".to_owned())
 }
 
 fn options(adapter: &str, precision: Precision) -> GpuOptions {

@@ -11,6 +11,7 @@ mod case;
 mod cases;
 mod logs;
 mod long;
+mod many;
 mod promise;
 
 use case::{Case, Costs, Double, Single};

@@ -5,16 +5,15 @@ use crate::cli::options::{Compute, PrecisionChoice};
 use crate::data::Log;
 use crate::evaluate::gpu::{AdapterError, GpuError, GpuEvaluator, GpuOptions, adapters};
 use crate::evaluate::{BuildError, Evaluator, Precision};
-use crate::filter::TraceError;
+use crate::filter::{Program, TraceError};
 use crate::model::Problem;
 
-/// The evaluator on a GPU; `None` where the CPU is to compute, which has then been said if it needs saying.
+/// The evaluator on a GPU of a problem, its log, and their program in f64; `None` where the CPU is to compute, which has then been said if it needs saying.
 ///
 /// # Errors
 /// If a GPU was `asked` for and there is none, or the problem cannot be traced.
 pub(super) fn build(
-    problem: &Problem,
-    log: &Log,
+    traced: (&Problem, &Log, &Program),
     compute: &Compute,
     asked: bool,
     notices: &Notices,
@@ -23,7 +22,7 @@ pub(super) fn build(
     if !asked && compute.precision == PrecisionChoice::F64 {
         return Ok(None);
     }
-    match open(problem, log, compute) {
+    match open(traced, compute) {
         Ok(mut evaluator) => {
             let later = notices.clone();
             evaluator.on_failure(move |sentence| later.warn(sentence));
@@ -52,16 +51,16 @@ pub(in crate::cli) fn adapter_of(description: &str) -> Option<String> {
 }
 
 /// In f32 unless f64 is asked for, or the problem needs it and the choice is free.
-fn open(problem: &Problem, log: &Log, compute: &Compute) -> Result<GpuEvaluator, GpuError> {
+fn open((problem, log, double): (&Problem, &Log, &Program), compute: &Compute) -> Result<GpuEvaluator, GpuError> {
     let options = |precision| GpuOptions {
         precision,
         adapter: compute.adapter.clone(),
         threads: compute.cpu().threads,
         ..GpuOptions::default()
     };
-    match GpuEvaluator::new(problem, log, &options(compute.precision.on_gpu())) {
+    match GpuEvaluator::with_double(problem, log, double, &options(compute.precision.on_gpu())) {
         Err(error) if compute.precision == PrecisionChoice::Auto && needs_f64(&error) => {
-            GpuEvaluator::new(problem, log, &options(Precision::F64))
+            GpuEvaluator::with_double(problem, log, double, &options(Precision::F64))
         }
         result => result,
     }

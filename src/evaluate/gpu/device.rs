@@ -110,10 +110,12 @@ mod tests {
     use super::*;
     use crate::evaluate::gpu::adapters;
 
-    /// The first adapter, opened; tests/gpu decides whether a machine without one may pass.
+    /// The first adapter, opened; by `KFGPU_TEST_GPU` as in tests/gpu.
     fn gpu() -> Option<Gpu> {
-        let name = adapters().into_iter().next()?.name;
-        Some(Gpu::open(Some(&name), Precision::F32).unwrap())
+        let policy = std::env::var("KFGPU_TEST_GPU").unwrap_or_default();
+        let found = if policy == "off" { None } else { adapters().into_iter().next() };
+        assert!(found.is_some() || policy != "require", "KFGPU_TEST_GPU=require and there is no adapter");
+        found.map(|adapter| Gpu::open(Some(&adapter.name), Precision::F32).unwrap())
     }
 
     #[test]

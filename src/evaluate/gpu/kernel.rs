@@ -2,8 +2,8 @@
 
 use super::clock::Clock;
 use super::device::{Gpu, GpuFailure};
-use super::layout::{Header, Layout};
-use super::totals::Totals;
+use super::layout::{Header, Layout, Round};
+use super::totals::{Sums, Totals};
 use super::upload::{self, word};
 use super::{GpuError, GpuOptions, prologue, shader};
 use crate::evaluate::{Evaluation, Population, Precision};
@@ -78,21 +78,24 @@ impl Kernel {
             let n = part.len() / d;
             self.prepare(gpu, program, n)?;
             let Some(buffers) = &self.buffers else { continue };
-            gpu.guarded(|| self.dispatch(gpu, program, buffers, part))?;
-            let bytes = self.totals_bytes(buffers.stride);
-            parts.push(gpu.read(&buffers.staging, bytes, |bytes| {
-                let totals = Totals { bytes, stride: buffers.stride, precision: self.precision };
-                totals.finish(program, &self.layout, n)
-            })?);
-            if let (Some(time), Some(clock)) = (&mut time, &self.clock) {
-                *time += clock.read(gpu)?;
+            let mut sums = Sums::new(program, &self.layout, n);
+            for round in &self.layout.rounds {
+                gpu.guarded(|| self.dispatch(gpu, (program, round), buffers, part))?;
+                let bytes = self.totals_bytes(round.chunks.len() * self.layout.totals_a_chunk, buffers.stride);
+                gpu.read(&buffers.staging, bytes, |bytes| {
+                    sums.add(round, &Totals { bytes, stride: buffers.stride, precision: self.precision });
+                })?;
+                if let (Some(time), Some(clock)) = (&mut time, &self.clock) {
+                    *time += clock.read(gpu)?;
+                }
             }
+            parts.push(sums.finish());
         }
         Ok((Evaluation::of_parts(program, parts), time))
     }
 
-    fn totals_bytes(&self, stride: usize) -> u64 {
-        (self.layout.chunks.len() * self.layout.totals_a_chunk * stride * size(self.precision)) as u64
+    fn totals_bytes(&self, rows: usize, stride: usize) -> u64 {
+        (rows * stride * size(self.precision)) as u64
     }
 
     /// Makes buffers for `n` candidates unless those at hand fit.
@@ -115,7 +118,7 @@ impl Kernel {
         let rows = prologue::rows(program, &self.layout) as u64;
         let prologue = gpu.buffer("prologue", rows * row, Usage::STORAGE | Usage::COPY_DST);
         let carried = gpu.buffer("carried", program.carried.len() as u64 * row, Usage::STORAGE);
-        let bytes = self.totals_bytes(stride);
+        let bytes = self.totals_bytes(self.layout.totals_rows(), stride);
         let totals = gpu.buffer("totals", bytes, Usage::STORAGE | Usage::COPY_SRC);
         let staging = gpu.buffer("totals, read back", bytes, Usage::MAP_READ | Usage::COPY_DST);
         let window = |buffer, size: usize| {
@@ -137,13 +140,19 @@ impl Kernel {
         Buffers { stride, headers, header_stride, prologue, totals, staging, group }
     }
 
-    /// Uploads a part, runs every dispatch over it and copies the totals out.
-    fn dispatch(&self, gpu: &Gpu, program: &Program, buffers: &Buffers, part: &[f64]) {
+    /// Uploads a part, runs every dispatch of a round over it and copies the totals out.
+    fn dispatch(&self, gpu: &Gpu, (program, round): (&Program, &Round), buffers: &Buffers, part: &[f64]) {
         let n = part.len() / program.parameters.max(1);
-        let data = prologue::buffer(program, &self.layout, part, buffers.stride, self.precision);
-        gpu.queue.write_buffer(&buffers.prologue, 0, &data);
-        gpu.queue.write_buffer(&buffers.headers, 0, &self.headers(buffers, n));
-        let dispatches: Vec<usize> = (0..self.layout.dispatches.len()).collect();
+        if round.dispatches.start == 0 {
+            gpu.queue.write_buffer(&buffers.headers, 0, &self.headers(buffers, n));
+        }
+        if round.dispatches.start == 0 || self.layout.varying > 0 {
+            prologue::with_buffer((program, round), part, buffers.stride, self.precision, |bytes| {
+                gpu.queue.write_buffer(&buffers.prologue, 0, bytes);
+            });
+        }
+        let rows = round.chunks.len() * self.layout.totals_a_chunk;
+        let dispatches: Vec<usize> = round.dispatches.clone().collect();
         let submissions = dispatches.chunks(DISPATCHES_A_SUBMISSION);
         let last = submissions.len().saturating_sub(1);
         for (s, dispatches) in submissions.enumerate() {
@@ -168,7 +177,7 @@ impl Kernel {
                     0,
                     &buffers.staging,
                     0,
-                    self.totals_bytes(buffers.stride),
+                    self.totals_bytes(rows, buffers.stride),
                 );
                 if let Some(clock) = &self.clock {
                     clock.resolve(&mut encoder);
@@ -207,8 +216,7 @@ const LARGEST_BUFFER: u64 = 512 << 20;
 
 /// Candidates that one part may have: by storage bindings, buffers and the number of workgroups.
 fn largest_part(gpu: &Gpu, program: &Program, layout: &Layout, options: &GpuOptions) -> Result<usize, GpuError> {
-    let rows =
-        prologue::rows(program, layout).max(program.carried.len()).max(layout.chunks.len() * layout.totals_a_chunk);
+    let rows = prologue::rows(program, layout).max(program.carried.len()).max(layout.totals_rows());
     let Limits { max_buffer_size, max_storage_buffer_binding_size, .. } = gpu.limits;
     let limit = max_buffer_size.min(max_storage_buffer_binding_size);
     let entries = (layout.entry_bytes() * layout.chunks.len()) as u64;

@@ -2,6 +2,7 @@
 
 use crate::evaluate::Precision;
 use crate::filter::{Program, Role};
+use crate::tape::lanes::Lane;
 use bytemuck::{Pod, Zeroable};
 use std::ops::Range;
 
@@ -50,6 +51,17 @@ pub(super) struct Chunk {
     pub(super) last: bool,
 }
 
+/// Dispatches whose totals are read back together, so that memory does not grow with the number of trajectories.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Round {
+    /// Of [`Layout::dispatches`].
+    pub(super) dispatches: Range<usize>,
+    /// Of [`Layout::chunks`].
+    pub(super) chunks: Range<usize>,
+    /// Those that its chunks belong to; the first and the last may go on in another round.
+    pub(super) trajectories: Range<usize>,
+}
+
 /// Sizes and places of a program's data. They depend on the problem alone, never on the adapter.
 #[derive(Debug, Clone)]
 pub(super) struct Layout {
@@ -59,6 +71,8 @@ pub(super) struct Layout {
     pub(super) chunks: Vec<Chunk>,
     /// The chunks of each dispatch. They belong to different trajectories, and their records fit what a dispatch sees.
     pub(super) dispatches: Vec<Range<usize>>,
+    /// The dispatches of each round.
+    pub(super) rounds: Vec<Round>,
     /// Totals a chunk: one a sum, two a product (exponent, mantissa), one for the check.
     pub(super) totals_a_chunk: usize,
     /// Carried states whose initial value depends on the candidate.
@@ -70,6 +84,8 @@ pub(super) struct Layout {
 impl Layout {
     /// Packs of the record that a dispatch sees: 64 KiB, what every adapter binds as a uniform.
     pub(super) const RECORD: usize = 4096;
+    /// Numbers a candidate that a round may write, unless a single dispatch writes more.
+    const ROUND: usize = 8192;
 
     pub(super) fn new(program: &Program, precision: Precision) -> Self {
         Self::grouped(program, precision, usize::MAX)
@@ -90,11 +106,14 @@ impl Layout {
         }
         let count = |role| program.carried.iter().filter(|c| c.role == role).count();
         let varying = program.varies.iter().filter(|v| **v).count();
+        let totals_a_chunk = count(Role::Sum) + 2 * count(Role::Product) + 1;
+        let dispatches = dispatches(&chunks, packs_a_row, largest);
         Self {
             packs_a_row,
-            dispatches: dispatches(&chunks, packs_a_row, largest),
+            rounds: rounds(&chunks, &dispatches, Self::ROUND / totals_a_chunk.max(varying)),
+            dispatches,
             chunks,
-            totals_a_chunk: count(Role::Sum) + 2 * count(Role::Product) + 1,
+            totals_a_chunk,
             varying,
             uniform: count(Role::State) - varying,
         }
@@ -122,6 +141,16 @@ impl Layout {
     /// Bytes of one entry with its starts.
     pub(super) fn entry_bytes(&self) -> usize {
         size_of::<Entry>() + 16 * self.starts()
+    }
+
+    /// Rows of the totals buffer: enough for every round.
+    pub(super) fn totals_rows(&self) -> usize {
+        self.rounds.iter().map(|round| round.chunks.len()).max().unwrap_or(0) * self.totals_a_chunk
+    }
+
+    /// Varying initial states of the round that has most.
+    pub(super) fn most_initial(&self) -> usize {
+        self.rounds.iter().map(|round| round.trajectories.len()).max().unwrap_or(0) * self.varying
     }
 
     /// For each chunk the pack of its dispatch's record where its rows begin.
@@ -161,12 +190,33 @@ fn dispatches(chunks: &[Chunk], packs_a_row: usize, largest: usize) -> Vec<Range
     dispatches
 }
 
+/// Consecutive dispatches of up to `largest` chunks together.
+fn rounds(chunks: &[Chunk], dispatches: &[Range<usize>], largest: usize) -> Vec<Round> {
+    let mut rounds: Vec<Round> = Vec::new();
+    for (i, dispatch) in dispatches.iter().enumerate() {
+        let last = chunks[dispatch.end - 1].trajectory + 1;
+        match rounds.last_mut() {
+            Some(open) if open.chunks.len() + dispatch.len() <= largest => {
+                (open.dispatches.end, open.chunks.end, open.trajectories.end) = (i + 1, dispatch.end, last);
+            }
+            _ => {
+                let trajectories = chunks[dispatch.start].trajectory..last;
+                rounds.push(Round { dispatches: i..i + 1, chunks: dispatch.clone(), trajectories });
+            }
+        }
+    }
+    rounds
+}
+
 /// Numbers as the bytes of a kernel's format.
 pub(super) fn bytes(values: impl IntoIterator<Item = f64>, precision: Precision) -> Vec<u8> {
-    #[expect(clippy::cast_possible_truncation, reason = "rounded once, as the CPU lanes do")]
+    fn rounded<T: Lane + Pod>(values: impl Iterator<Item = f64>) -> Vec<u8> {
+        let values: Vec<T> = values.map(T::from_f64).collect();
+        bytemuck::cast_slice(&values).to_vec()
+    }
     match precision {
-        Precision::F32 => values.into_iter().flat_map(|v| (v as f32).to_ne_bytes()).collect(),
-        Precision::F64 => values.into_iter().flat_map(f64::to_ne_bytes).collect(),
+        Precision::F32 => rounded::<f32>(values.into_iter()),
+        Precision::F64 => rounded::<f64>(values.into_iter()),
     }
 }
 
@@ -260,6 +310,26 @@ mod tests {
         assert!(!Layout::new(&program, Precision::F32).fits(), "a block of rows does not fit the record");
     }
 
+    #[test]
+    fn rounds_bound_what_many_trajectories_write() {
+        let mut program = evaluator(Precision::F32).program().clone();
+        program.columns = 5;
+        for lengths in [&[2; 50_000][..], &[5000; 40], &[1, 400_000, 1]] {
+            program.spans = spans(lengths);
+            let layout = Layout::new(&program, Precision::F32);
+            // 2048 rows a dispatch, so at most as many trajectories.
+            assert!(layout.totals_rows() <= 2048 * layout.totals_a_chunk, "{} rows", layout.totals_rows());
+            let chunks: Vec<usize> = layout.rounds.iter().flat_map(|round| round.chunks.clone()).collect();
+            assert_eq!(chunks, (0..layout.chunks.len()).collect::<Vec<_>>(), "every chunk in one round");
+            for round in &layout.rounds {
+                let of = |c: usize| layout.chunks[c].trajectory;
+                assert_eq!(round.trajectories, of(round.chunks.start)..of(round.chunks.end - 1) + 1);
+                let dispatches = &layout.dispatches[round.dispatches.clone()];
+                assert_eq!(round.chunks, dispatches[0].start..dispatches[dispatches.len() - 1].end);
+            }
+        }
+    }
+
     fn spans(lengths: &[usize]) -> Vec<crate::filter::Span> {
         let mut next = 0;
         let span = |length: &usize| {
@@ -299,6 +369,7 @@ mod tests {
                 of.dedup();
                 assert_eq!(of.len(), dispatch.len(), "{dispatch:?}: one chunk a trajectory");
             }
+            assert_eq!(layout.rounds.len(), 1, "short logs come back at once");
             let alone = Layout::grouped(&program, Precision::F32, 1);
             assert_eq!(alone.dispatches.len(), layout.chunks.len(), "one chunk a dispatch where that is asked for");
         }

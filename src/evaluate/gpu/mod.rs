@@ -14,7 +14,7 @@ pub use adapter::{AdapterError, AdapterInfo, adapters};
 pub use device::GpuFailure;
 pub use shader::assemble;
 
-use super::cpu::{self, CpuEvaluator};
+use super::cpu::{CpuEvaluator, beside};
 use super::{BuildError, CpuOptions, Device, Evaluation, Evaluator, Population, Precision};
 use crate::data::Log;
 use crate::filter::{Program, trace};
@@ -144,6 +144,17 @@ impl GpuEvaluator {
         Self::build(problem, log, objectives, &[], options)
     }
 
+    /// An evaluator of the problem's own objectives and constraints that shares what `double`, their program in f64, has
+    /// found already: that program itself, or its nominal.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_double(problem: &Problem, log: &Log, double: &Program, options: &GpuOptions) -> Result<Self, GpuError> {
+        let gpu = Gpu::open(options.adapter.as_deref(), options.precision)?;
+        let program = beside(problem, log, double, options.precision).map_err(BuildError::from)?;
+        Self::of_program(gpu, program, options, &problem.parameters.baseline())
+    }
+
     /// Of scorers whose last ones are held against `constraints`.
     fn build(
         problem: &Problem,
@@ -154,12 +165,19 @@ impl GpuEvaluator {
     ) -> Result<Self, GpuError> {
         let gpu = Gpu::open(options.adapter.as_deref(), options.precision)?;
         let nominal = match options.precision {
-            Precision::F32 => Some(cpu::nominal(problem, log).map_err(BuildError::from)?),
+            Precision::F32 => {
+                let double = trace(problem, log, &[], None).map_err(BuildError::from)?;
+                Some(double.nominal(&problem.parameters.baseline()))
+            }
             Precision::F64 => None,
         };
         let program = trace(problem, log, scorers, nominal).map_err(BuildError::from)?.constrained(constraints);
+        Self::of_program(gpu, program, options, &problem.parameters.baseline())
+    }
+
+    fn of_program(gpu: Gpu, program: Program, options: &GpuOptions, baseline: &[f64]) -> Result<Self, GpuError> {
         let start = Instant::now();
-        let kernel = Kernel::new(&gpu, &program, options, &problem.parameters.baseline())?;
+        let kernel = Kernel::new(&gpu, &program, options, baseline)?;
         let kernel_build_time = start.elapsed();
         let cpu_options = CpuOptions { precision: options.precision, threads: options.threads };
         let cpu = CpuEvaluator::of_program(program, cpu_options);

@@ -1,12 +1,16 @@
 //! What a candidate brings to the kernel, computed on the host in f64 and rounded once: invariants, initial states.
 
-use super::layout::{Layout, bytes};
+use super::layout::{Layout, Round};
 use crate::evaluate::Precision;
 use crate::filter::{Program, Span};
-use crate::tape::lanes::{Register, run, run_one};
+use crate::tape::lanes::{Lane, Register, run, run_one};
+use bytemuck::Pod;
+use rayon::prelude::*;
 
 const C: usize = 8;
 const B: usize = 8;
+/// Candidates that a thread takes at a time: whole blocks.
+const TASK: usize = 32 * C * B;
 
 /// Registers of the prologue that go to the GPU for every trajectory (invariants) or for each (initial states).
 fn registers(program: &Program) -> (Vec<usize>, Vec<usize>) {
@@ -17,35 +21,46 @@ fn registers(program: &Program) -> (Vec<usize>, Vec<usize>) {
     (invariants, varying)
 }
 
-/// Rows of the prologue buffer: the invariants, then the varying initial states of each trajectory.
+/// Rows of the prologue buffer: the invariants, then the varying initial states of each trajectory of a round.
 pub(super) fn rows(program: &Program, layout: &Layout) -> usize {
-    program.invariants + layout.varying * program.spans.len()
+    program.invariants + layout.most_initial()
 }
 
-/// The prologue buffer of some candidates (row-major), `stride` candidates a row.
-pub(super) fn buffer(
-    program: &Program,
-    layout: &Layout,
+/// Hands over the prologue buffer of some candidates (row-major) in a round, `stride` candidates a row.
+pub(super) fn with_buffer(
+    (program, round): (&Program, &Round),
     candidates: &[f64],
     stride: usize,
     precision: Precision,
-) -> Vec<u8> {
+    take: impl FnOnce(&[u8]),
+) {
+    match precision {
+        Precision::F32 => take(bytemuck::cast_slice(&values::<f32>(program, round, candidates, stride))),
+        Precision::F64 => take(bytemuck::cast_slice(&values::<f64>(program, round, candidates, stride))),
+    }
+}
+
+fn values<T: Lane + Pod>(program: &Program, round: &Round, candidates: &[f64], stride: usize) -> Vec<T> {
     let (invariants, varying) = registers(program);
-    let mut values = vec![0.0; rows(program, layout) * stride];
-    let (shared, own) = values.split_at_mut(invariants.len() * stride);
-    if let Some(span) = program.spans.first() {
-        fill(program, span, candidates, &invariants, shared, stride);
+    let rows = invariants.len() + varying.len() * round.trajectories.len();
+    let mut values = vec![T::ZERO; rows * stride];
+    let mut tasks: Vec<Vec<&mut [T]>> = (0..stride.div_ceil(TASK)).map(|_| Vec::with_capacity(rows)).collect();
+    for row in values.chunks_mut(stride.max(1)) {
+        tasks.iter_mut().zip(row.chunks_mut(TASK)).for_each(|(task, part)| task.push(part));
     }
-    if !varying.is_empty() {
-        for (span, rows) in program.spans.iter().zip(own.chunks_mut(varying.len() * stride)) {
-            fill(program, span, candidates, &varying, rows, stride);
+    let candidates = candidates.par_chunks(TASK * program.parameters.max(1));
+    tasks.into_par_iter().zip(candidates).for_each(|(mut rows, candidates)| {
+        let (shared, own) = rows.split_at_mut(invariants.len());
+        fill(program, &program.spans[round.trajectories.start], candidates, &invariants, shared);
+        for (t, rows) in round.trajectories.clone().zip(own.chunks_mut(varying.len().max(1))) {
+            fill(program, &program.spans[t], candidates, &varying, rows);
         }
-    }
-    bytes(values, precision)
+    });
+    values
 }
 
 /// Runs the prologue in blocks and copies some registers out, one row each.
-fn fill(program: &Program, span: &Span, candidates: &[f64], wanted: &[usize], rows: &mut [f64], stride: usize) {
+fn fill<T: Lane>(program: &Program, span: &Span, candidates: &[f64], wanted: &[usize], rows: &mut [&mut [T]]) {
     let d = program.parameters.max(1);
     let mut registers = vec![Register::<f64, C, B>::splat(0.0); program.prologue.registers];
     for (block, candidates) in candidates.chunks(C * B * d).enumerate() {
@@ -54,9 +69,9 @@ fn fill(program: &Program, span: &Span, candidates: &[f64], wanted: &[usize], ro
             candidate.iter().enumerate().for_each(|(p, v)| registers[p].lanes_mut()[lane] = *v);
         }
         run(&program.prologue.operations, &mut registers, &span.scalars);
-        for (row, register) in wanted.iter().enumerate() {
-            let at = row * stride + block * C * B;
-            rows[at..at + n].copy_from_slice(&registers[*register].lanes()[..n]);
+        for (row, register) in rows.iter_mut().zip(wanted) {
+            let lanes = registers[*register].lanes();
+            row[block * C * B..][..n].iter_mut().zip(lanes).for_each(|(to, from)| *to = T::from_f64(*from));
         }
     }
 }

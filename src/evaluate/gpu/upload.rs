@@ -21,15 +21,16 @@ pub(super) fn entries(
     (baseline, precision): (&[f64], Precision),
 ) -> wgpu::Buffer {
     let mut data = vec![0; layout.entry_bytes() * layout.chunks.len()];
-    let chunks = layout.chunks.iter().zip(layout.begins()).enumerate();
-    for ((c, (chunk, begin)), slot) in chunks.zip(data.chunks_mut(layout.entry_bytes())) {
+    let rounds = layout.rounds.iter().flat_map(|round| round.chunks.clone().map(move |c| (c, round)));
+    let chunks = layout.chunks.iter().zip(layout.begins()).zip(rounds);
+    for (((chunk, begin), (c, round)), slot) in chunks.zip(data.chunks_mut(layout.entry_bytes())) {
         let entry = Entry {
             record: word(begin),
             rows: word(chunk.rows.len()),
             first: u32::from(chunk.first),
             last: u32::from(chunk.last),
-            initial: word(program.invariants + chunk.trajectory * layout.varying),
-            totals: word(c * layout.totals_a_chunk),
+            initial: word(program.invariants + (chunk.trajectory - round.trajectories.start) * layout.varying),
+            totals: word((c - round.chunks.start) * layout.totals_a_chunk),
             reserved: [0; 2],
         };
         let (head, starts) = slot.split_at_mut(size_of::<Entry>());

@@ -1,6 +1,7 @@
 //! What decides how Q or R adapts: the settings, and what the log alone says.
 #![expect(non_snake_case, reason = "Kalman notation: R")]
 
+use crate::filter::columns::{Key, Place};
 use crate::filter::formula::{self, Scope};
 use crate::filter::symmetric::Symmetric;
 use crate::filter::tracer::Tracer;
@@ -51,7 +52,7 @@ impl Tracer<'_> {
         }
         let kind = match (&self.problem.filter, values.as_slice()) {
             (FilterKind::SageHusa { .. }, [forgetting]) => {
-                let measured = self.column(|place| f64::from(u8::from(place.components() > 0)));
+                let measured = self.column(Key::Measured, |place| f64::from(u8::from(place.components() > 0)));
                 Kind::ProcessNoise { forgetting: *forgetting, measured }
             }
             (FilterKind::SageHusaR { .. }, [forgetting, floor]) => {
@@ -69,16 +70,18 @@ impl Tracer<'_> {
 
     /// 1 where component `i` is measured for at least the `window`-th time of its trajectory.
     fn full(&mut self, i: usize, window: usize) -> Id {
-        let (mut trajectory, mut filled) = (0, 0);
-        let mut values = Vec::new();
-        for place in self.rows.places() {
-            if place.index != trajectory {
-                (trajectory, filled) = (place.index, 0);
-            }
-            filled += usize::from(place.present(i));
-            values.push(f64::from(u8::from(place.present(i) && filled >= window)));
-        }
-        self.columns.node(&mut self.g, values)
+        let rows = self.rows;
+        self.columns.node(&mut self.g, Key::Full(i), || {
+            let (mut trajectory, mut filled) = (0, 0);
+            let mut acts = |place: Place<'_>| {
+                if place.index != trajectory {
+                    (trajectory, filled) = (place.index, 0);
+                }
+                filled += usize::from(place.present(i));
+                f64::from(u8::from(place.present(i) && filled >= window))
+            };
+            rows.places().map(&mut acts).collect()
+        })
     }
 }
 

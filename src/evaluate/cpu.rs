@@ -7,6 +7,7 @@ use crate::filter::{Entry, Form, Nominal, Program, Role, TraceError, trace, trac
 use crate::model::Problem;
 use crate::objective::Objective;
 use crate::tape::lanes::run_one;
+use crate::words::counted;
 use rayon::prelude::*;
 use std::num::NonZero;
 
@@ -193,7 +194,7 @@ impl Evaluator for CpuEvaluator {
         };
         Device {
             backend: "cpu".to_owned(),
-            adapter: format!("{}, {} threads", instruction_set(), self.threads),
+            adapter: format!("{}, {}", instruction_set(), counted(self.threads, "thread")),
             precision: precision.to_string(),
         }
     }

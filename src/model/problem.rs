@@ -187,8 +187,9 @@ pub struct SimulateSpec {
 }
 
 impl Model {
-    /// The same model, wherever its formulas stand in the file.
-    pub(crate) fn without_spans(&self) -> Self {
+    /// The same model, wherever its formulas stand in the file: two that are written alike are then equal.
+    #[must_use]
+    pub fn without_spans(&self) -> Self {
         let mut model = self.clone();
         let start = match &mut model.x0 {
             Start::Values(formulas) => formulas.as_mut_slice(),

@@ -138,6 +138,7 @@ pub mod report;
 pub mod reproduce;
 pub mod study;
 pub mod tape;
+mod words;
 
 #[cfg(feature = "cli")]
 pub mod cli;

@@ -79,6 +79,15 @@ pub(super) struct Bench {
     json: bool,
 }
 
+#[cfg(feature = "gpu")]
+use super::stderr::without_desktop as drivers;
+
+/// Without GPUs no driver is loaded.
+#[cfg(not(feature = "gpu"))]
+fn drivers<T>(work: impl FnOnce() -> T) -> T {
+    work()
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum DeviceChoice {
     Cpu,
@@ -91,10 +100,11 @@ impl Bench {
         self.refuse_contradictions()?;
         let options = self.options(console)?;
         if self.device == DeviceChoice::All {
-            let found = bench::compare(&options, &self.suite(console)?)?;
+            let suite = self.suite(console)?;
+            let found = drivers(|| bench::compare(&options, &suite))?;
             self.print(&found)
         } else {
-            self.print(&bench::run(&options)?)
+            self.print(&drivers(|| bench::run(&options))?)
         }
     }
 
@@ -178,7 +188,7 @@ impl Bench {
     }
 
     fn adapters(&self, console: Console) -> anyhow::Result<Vec<Adapter>> {
-        let found = bench::adapters();
+        let found = drivers(bench::adapters);
         if let Some(wanted) = &self.adapter {
             let lower = wanted.to_lowercase();
             let known: Vec<String> = found.iter().map(|a| format!("`{}`", a.name)).collect();

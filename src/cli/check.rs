@@ -21,9 +21,9 @@ pub(super) struct Check {
     /// Problem file (TOML).
     problem: PathBuf,
 
-    /// Another problem file whose start values are used, such as the tuned.toml that `tune --out` writes (default: the
-    /// start values of PROBLEM).
-    #[arg(long, value_name = "FILE")]
+    /// Another problem file whose start values are used, such as the tuned.toml that `tune --out` writes, or that folder
+    /// (default: the start values of PROBLEM).
+    #[arg(long, value_name = "FILE|DIR")]
     parameters: Option<PathBuf>,
 
     /// Log to check on in place of the problem file's; `-` reads it from standard input (default: the file's

@@ -9,6 +9,7 @@ use super::evaluator::{self, Notices};
 use super::files;
 use super::load::{self, Loaded, Origin};
 use super::options::{Compute, DeviceChoice, PrecisionChoice};
+use super::{paths, results};
 use crate::data::Log;
 use crate::evaluate::Device;
 use crate::model::Problem;
@@ -27,10 +28,14 @@ pub(super) struct Resumed {
 }
 
 impl Resumed {
-    /// From a checkpoint, or the folder of results that it is in.
+    /// From a checkpoint, the folder of results that it is in, or another file there.
     pub(super) fn open(path: &Path) -> anyhow::Result<Self> {
         let folder = path.is_dir().then(|| path.to_path_buf());
-        let file = folder.as_ref().map_or_else(|| path.to_path_buf(), |folder| folder.join(NAME));
+        let file = match &folder {
+            Some(folder) => folder.join(NAME),
+            None if results::is_of_run(path) => path.with_file_name(NAME),
+            None => path.to_path_buf(),
+        };
         let checkpoint = Checkpoint::open(&file).with_context(|| cannot(&file))?;
         Ok(Self { checkpoint, file, folder })
     }
@@ -59,10 +64,32 @@ impl Resumed {
     /// The log that the checkpoint names, or `data`, for its problem.
     pub(super) fn log(&self, problem: Problem, data: Option<&str>, console: Console) -> anyhow::Result<Loaded> {
         let source = &self.checkpoint.source;
-        let data = data.or_else(|| found_again(source));
+        let found = if data.is_none() { self.log_file()? } else { None };
+        let data = data.or(found.as_deref());
         let is_built_in = data.is_none() && problem.data.file.as_deref().is_some_and(|file| file != "-");
         let path = (!is_built_in).then(|| Path::new(&source.problem));
         load::log_of(problem, path, data, console)
+    }
+
+    /// The file of the log, if it was one: where it lies as seen from the checkpoint, so that a project may be renamed or
+    /// copied; else where it was, so that the folder of results may move alone; else beside the checkpoint. It is called
+    /// as the user called it where that is still the same file.
+    fn log_file(&self) -> anyhow::Result<Option<String>> {
+        let Source { log, log_absolute, log_from_here, .. } = &self.checkpoint.source;
+        let Some(named) = log.as_deref().map(Path::new) else { return Ok(None) };
+        let folder = files::folder_of(&self.file);
+        let from_here = log_from_here.as_ref().map(|file| folder.join(file));
+        let beside = named.file_name().map(|name| folder.join(name));
+        let places = [from_here, log_absolute.as_ref().map(PathBuf::from), beside];
+        let Some(found) = places.into_iter().flatten().find(|place| place.is_file()) else {
+            bail!(
+                "{}: its log {} is neither where it was nor beside the checkpoint (name it with --data)",
+                cannot(&self.file),
+                named.display()
+            );
+        };
+        let called = if paths::are_one(named, &found) { named.to_path_buf() } else { found.canonicalize()? };
+        Ok(Some(called.display().to_string()))
     }
 
     /// Whether it is a search of this problem and log.
@@ -96,13 +123,6 @@ fn cannot(file: &Path) -> String {
     format!("cannot resume from {}", file.display())
 }
 
-/// The log's file as it was named, if that is still the same one from here; else wherever it was.
-fn found_again(source: &Source) -> Option<&str> {
-    let same =
-        |shown: &&str| Path::new(shown).canonicalize().ok().as_deref() == source.log_absolute.as_deref().map(Path::new);
-    source.log.as_deref().filter(same).or(source.log_absolute.as_deref())
-}
-
 /// The file to write while this problem is searched on this log.
 pub(super) fn file(path: &Path, problem: &Problem, log: &Log, origin: &Origin) -> anyhow::Result<CheckpointFile> {
     files::prepare_file(path)?;
@@ -117,6 +137,8 @@ pub(super) fn file(path: &Path, problem: &Problem, log: &Log, origin: &Origin) -
         text: problem.text.clone(),
         log: log_file.map(|file| file.display().to_string()),
         log_absolute: log_file.and_then(|file| Some(file.canonicalize().ok()?.display().to_string())),
+        log_from_here: log_file
+            .and_then(|file| Some(paths::relative(files::folder_of(path), file)?.display().to_string())),
     };
     Ok(CheckpointFile::new(path.to_path_buf(), Identity::of(problem, log), source))
 }

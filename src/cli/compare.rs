@@ -13,11 +13,11 @@ use crate::report::{Comparison, Run};
 
 /// Put the results of runs side by side: parameters, objectives, consistency and cost of the search.
 ///
-/// A run is a folder that `tune --out` wrote, or its result.json. Where runs did not score the same rows in the same way
+/// A run is a folder that `tune --out` wrote, or one of the files there. Where runs did not score the same rows in the same way
 /// (another log, other objectives, another split) it says so, and names no best one.
 #[derive(Debug, Args)]
 pub(super) struct Compare {
-    /// Run folders, or result.json files, at least two; the others are compared with the first.
+    /// Run folders, or files in them, at least two; the others are compared with the first.
     #[arg(required = true, num_args = 2.., value_name = "RUN")]
     runs: Vec<PathBuf>,
 
@@ -41,13 +41,7 @@ impl Compare {
 
 fn open(path: &Path) -> anyhow::Result<Run> {
     let shown = path.display();
-    let file = if path.is_dir() { path.join(results::RESULT) } else { path.to_path_buf() };
-    if path.is_dir() && !file.exists() {
-        bail!(
-            "{shown}: is not the folder of a finished run, because it has no {} (name a folder that `tune --out` wrote)",
-            results::RESULT
-        );
-    }
+    let file = results::file_in(path, results::RESULT)?;
     if !file.is_file() {
         bail!("{shown}: no such run (name a folder that `tune --out` wrote, or its {})", results::RESULT);
     }

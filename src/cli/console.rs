@@ -34,7 +34,24 @@ impl Console {
 
 /// Prints an error as `error: ...`.
 pub(super) fn error(error: &anyhow::Error) {
-    let _ = writeln!(io::stderr().lock(), "error: {}", sentence(error));
+    let _ = writeln!(io::stderr().lock(), "error: {}", cut(&sentence(error)));
+}
+
+/// The text with the middle of overlong lines left out. Messages shorten what they repeat of the input; this is for what
+/// they do not know to be long.
+pub(super) fn cut(text: &str) -> String {
+    const LONGEST: usize = 400;
+    const BEGIN: usize = 280;
+    const END: usize = 100;
+    let line = |line: &str| {
+        let characters: Vec<char> = line.chars().collect();
+        if characters.len() <= LONGEST {
+            return line.to_owned();
+        }
+        let (begin, end) = (&characters[..BEGIN], &characters[characters.len() - END..]);
+        begin.iter().chain(&[' ', '.', '.', '.', ' ']).chain(end).collect()
+    };
+    text.split('\n').map(line).collect::<Vec<_>>().join("\n")
 }
 
 /// The error and its causes in one sentence, leaving out a cause that the message before it already tells.
@@ -52,6 +69,15 @@ fn sentence(error: &anyhow::Error) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_line_keeps_its_begin_and_its_end() {
+        let text = format!("p.toml:1:2: `{}` is unknown: did you mean `r`?\n  |\n", "x".repeat(1_000_000));
+        let short = cut(&text);
+        assert!(short.starts_with("p.toml:1:2: `xxx") && short.contains("x ... x"), "{short}");
+        assert!(short.ends_with("did you mean `r`?\n  |\n") && short.chars().count() < 400, "{short}");
+        assert_eq!(cut("a sentence"), "a sentence");
+    }
 
     #[test]
     fn a_cause_is_told_once() {

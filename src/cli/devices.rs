@@ -5,7 +5,7 @@ mod listing;
 use clap::Args;
 
 use super::console::Console;
-use super::{Ending, files};
+use super::{Ending, files, stderr};
 
 /// List the GPUs of this machine with their limits, and which one `--device auto` would take.
 #[derive(Debug, Args)]
@@ -17,7 +17,7 @@ pub(super) struct Devices {
 
 impl Devices {
     pub(super) fn run(&self, _console: Console) -> anyhow::Result<Ending> {
-        let listing = listing::Listing::new(crate::evaluate::gpu::adapters());
+        let listing = listing::Listing::new(stderr::without_desktop(crate::evaluate::gpu::adapters));
         if self.json {
             files::print_json(&listing)?;
         } else {

@@ -8,12 +8,13 @@ use anyhow::{Context as _, ensure};
 use clap::Args;
 use serde::Serialize;
 
-use super::candidates::Candidates;
+use super::candidates::{Batch, Candidates};
 use super::console::Console;
 use super::evaluator::Chosen;
 use super::options::Compute;
 use super::{Ending, files, load};
-use crate::evaluate::{Device, Evaluation, Evaluator};
+use crate::evaluate::{Device, Evaluation, Evaluator, Status};
+use crate::model::{Parameter, Parameters, Search};
 use crate::objective::Objective;
 use crate::report::{Named, exact};
 
@@ -21,11 +22,13 @@ use crate::report::{Named, exact};
 ///
 /// The input's header names the searched parameters, in any order; values are in their own units. The answer has one
 /// column per objective, `violation` if the problem has constraints (0 = feasible), and `status`: 0 = usable, 1 = a
-/// covariance was not positive, 2 = a cost was not finite (bits add up). A candidate that failed costs
-/// 1.7976931348623157e308, the worst finite number.
+/// covariance was not positive, 2 = a cost was not finite, 8 = the line is no candidate (bits add up). A candidate that
+/// failed costs 1.7976931348623157e308, the worst finite number. One outside the bounds of its parameters is scored like
+/// any other, and the first is said on stderr.
 ///
 /// With `-` candidates are answered as they arrive, line by line, as long as the input lasts: one process serves a
-/// whole search.
+/// whole search. A line that is no candidate (NaN, an empty cell, a cell too few) is answered as failed, with status 8,
+/// and the first ten are said on stderr; in a file such a line ends the command with exit code 2.
 #[derive(Debug, Args)]
 pub(super) struct Evaluate {
     /// Problem file (TOML).
@@ -71,14 +74,21 @@ impl Evaluate {
             problem.source
         );
         let mut evaluator = Chosen::new(problem, log, &self.compute, self.count()?, console)?;
-        let mut candidates =
+        let candidates =
             Candidates::open(self.input(from_stdin)?, &self.source(from_stdin), &problem.parameters.names())?;
-        let names = problem.tune.objectives.iter().map(Objective::name).collect::<Vec<_>>();
-        let constrained = !problem.tune.constraints.is_empty();
+        let mut answers = Answers {
+            candidates,
+            evaluator: &mut evaluator,
+            parameters: &problem.parameters,
+            objectives: problem.tune.objectives.iter().map(Objective::name).collect(),
+            constrained: !problem.tune.constraints.is_empty(),
+            lives_on: from_stdin,
+            doubts: Doubts::new(console),
+        };
         if self.json {
-            files::print_json(&collect(&mut candidates, &mut evaluator, names, constrained)?)?;
+            files::print_json(&answers.collect()?)?;
         } else {
-            answer(&mut candidates, &mut evaluator, &names, constrained)?;
+            answers.print()?;
         }
         Ok(Ending::Done)
     }
@@ -115,55 +125,134 @@ impl Evaluate {
     }
 }
 
-/// Answers batch by batch; each answer is flushed, because whoever asked may be waiting for it.
-fn answer(
-    candidates: &mut Candidates<impl Read>,
-    evaluator: &mut dyn Evaluator,
-    names: &[&str],
+/// Answers lines in their order.
+struct Answers<'a, R> {
+    candidates: Candidates<R>,
+    evaluator: &'a mut dyn Evaluator,
+    parameters: &'a Parameters,
+    objectives: Vec<&'static str>,
     constrained: bool,
-) -> anyhow::Result<()> {
-    let mut out = io::BufWriter::new(io::stdout().lock());
-    writeln!(out, "{},{}status", names.join(","), if constrained { "violation," } else { "" })?;
-    out.flush()?;
-    while let Some(batch) = candidates.next_batch()? {
-        let evaluation = evaluator.evaluate(&batch);
-        (0..batch.len()).try_for_each(|i| write_row(&evaluation, i, constrained, &mut out))?;
+    /// Whether a line that is no candidate is answered too, because whoever asks has no other answer.
+    lives_on: bool,
+    doubts: Doubts,
+}
+
+/// The answer to one line.
+struct Answer<'a> {
+    costs: &'a [f64],
+    violation: f64,
+    status: Status,
+}
+
+impl<R: Read> Answers<'_, R> {
+    /// Gives the answers to whatever has arrived to `take`; false at the end of the input.
+    fn next(&mut self, take: &mut impl FnMut(Answer<'_>) -> anyhow::Result<()>) -> anyhow::Result<bool> {
+        let Some(Batch { candidates, lines }) = self.candidates.next_batch()? else { return Ok(false) };
+        let evaluation =
+            if candidates.is_empty() { Evaluation::default() } else { self.evaluator.evaluate(&candidates) };
+        let failed = vec![Evaluation::FAILED; self.objectives.len()];
+        let mut next = 0;
+        for (line, read) in lines {
+            let at = || self.candidates.position(line);
+            if let Err(problem) = read {
+                ensure!(self.lives_on, "{}: {problem}", at());
+                self.doubts.no_candidate(&at(), &problem);
+                take(Answer { costs: &failed, violation: Evaluation::FAILED, status: Status::UNREADABLE })?;
+                continue;
+            }
+            self.doubts.outside(self.parameters, candidates.row(next), at);
+            // As the cost of a failed candidate, an infinite violation is the worst finite number.
+            let violation = evaluation.violation(next).min(Evaluation::FAILED);
+            take(Answer { costs: evaluation.costs(next), violation, status: evaluation.status(next) })?;
+            next += 1;
+        }
+        Ok(true)
+    }
+
+    /// As CSV; each answer is flushed, because whoever asked may be waiting for it.
+    fn print(&mut self) -> anyhow::Result<()> {
+        let mut out = io::BufWriter::new(io::stdout().lock());
+        let constrained = self.constrained;
+        writeln!(out, "{},{}status", self.objectives.join(","), if constrained { "violation," } else { "" })?;
         out.flush()?;
+        let mut more = true;
+        while more {
+            let written = self.next(&mut |answer| Ok(answer.write(constrained, &mut out)?));
+            // What was answered before an error is not lost.
+            out.flush()?;
+            more = written?;
+        }
+        Ok(())
     }
-    Ok(())
+
+    fn collect(&mut self) -> anyhow::Result<Costs> {
+        let mut costs = vec![Vec::new(); self.objectives.len()];
+        let (mut violation, mut status) = (self.constrained.then(Vec::new), Vec::new());
+        let mut take = |answer: Answer<'_>| {
+            costs.iter_mut().zip(answer.costs).for_each(|(column, cost)| column.push(*cost));
+            violation.iter_mut().for_each(|column| column.push(answer.violation));
+            status.push(answer.status.bits());
+            Ok(())
+        };
+        while self.next(&mut take)? {}
+        let objectives = Named::new(self.objectives.iter().copied(), costs);
+        Ok(Costs { objectives, violation, status, device: self.evaluator.device() })
+    }
 }
 
-fn write_row(evaluation: &Evaluation, i: usize, constrained: bool, out: &mut impl Write) -> io::Result<()> {
-    for cost in evaluation.costs(i) {
-        write!(out, "{},", exact(*cost))?;
+impl Answer<'_> {
+    fn write(&self, constrained: bool, out: &mut impl Write) -> io::Result<()> {
+        for cost in self.costs {
+            write!(out, "{},", exact(*cost))?;
+        }
+        if constrained {
+            write!(out, "{},", exact(self.violation))?;
+        }
+        writeln!(out, "{}", self.status.bits())
     }
-    if constrained {
-        write!(out, "{},", exact(finite_violation(evaluation, i)))?;
-    }
-    writeln!(out, "{}", evaluation.status(i).bits())
 }
 
-/// As the cost of a failed candidate, an infinite violation is the worst finite number.
-fn finite_violation(evaluation: &Evaluation, i: usize) -> f64 {
-    evaluation.violation(i).min(Evaluation::FAILED)
+/// What is said of candidates on stderr: a few times, because nobody may be reading it.
+struct Doubts {
+    console: Console,
+    told: usize,
+    has_told_outside: bool,
 }
 
-fn collect(
-    candidates: &mut Candidates<impl Read>,
-    evaluator: &mut dyn Evaluator,
-    names: Vec<&str>,
-    constrained: bool,
-) -> anyhow::Result<Costs> {
-    let mut costs = vec![Vec::new(); names.len()];
-    let mut violation = constrained.then(Vec::new);
-    let mut status = Vec::new();
-    while let Some(batch) = candidates.next_batch()? {
-        let evaluation = evaluator.evaluate(&batch);
-        for i in 0..batch.len() {
-            costs.iter_mut().zip(evaluation.costs(i)).for_each(|(column, cost)| column.push(*cost));
-            status.push(evaluation.status(i).bits());
-            violation.iter_mut().for_each(|column| column.push(finite_violation(&evaluation, i)));
+impl Doubts {
+    /// So many lines are told one by one.
+    const TOLD: usize = 10;
+
+    const fn new(console: Console) -> Self {
+        Self { console, told: 0, has_told_outside: false }
+    }
+
+    fn no_candidate(&mut self, at: &str, problem: &str) {
+        self.told += 1;
+        if self.told <= Self::TOLD {
+            let rest = if self.told == Self::TOLD { "; more such lines are not told" } else { "" };
+            self.console.warn(format_args!("{at}: {problem} (answered as failed, with status 8{rest})"));
         }
     }
-    Ok(Costs { objectives: Named::new(names, costs), violation, status, device: evaluator.device() })
+
+    fn outside(&mut self, parameters: &Parameters, candidate: &[f64], at: impl Fn() -> String) {
+        if self.has_told_outside {
+            return;
+        }
+        let mut searched = parameters.searched().zip(candidate);
+        let is_outside =
+            |((_, search), value): &((&Parameter, &Search), &f64)| !(search.min..=search.max).contains(*value);
+        if let Some(((parameter, search), value)) = searched.find(is_outside) {
+            self.has_told_outside = true;
+            self.console.warn(format_args!(
+                "{}: {} = {} lies outside its bounds {} to {} (candidates out of bounds are scored like any other; said \
+                 once)",
+                at(),
+                parameter.name,
+                exact(*value),
+                exact(search.min),
+                exact(search.max)
+            ));
+        }
+    }
 }

@@ -1,57 +1,23 @@
 //! Output files, written whole or not at all: under a temporary name in the same folder, then renamed.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufRead as _, BufReader, BufWriter, Read as _, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 
-/// A folder that could be written to before the work started.
-#[derive(Debug)]
-pub(super) struct OutFolder {
-    path: PathBuf,
-}
-
-impl OutFolder {
-    /// Makes the folder where it does not exist and tries to write in it.
-    pub(super) fn prepare(path: &Path) -> anyhow::Result<Self> {
-        fs::create_dir_all(path).with_context(|| {
-            format!("cannot make the output folder {} (choose a folder you may write to)", path.display())
-        })?;
-        try_writing_in(path)?;
-        Ok(Self { path: path.to_path_buf() })
-    }
-
-    pub(super) fn path(&self) -> &Path {
-        &self.path
-    }
-
-    /// Writes one file of the folder.
-    pub(super) fn write(
-        &self,
-        name: &str,
-        fill: impl FnOnce(&mut dyn Write) -> anyhow::Result<()>,
-    ) -> anyhow::Result<()> {
-        write_whole(&self.path.join(name), fill)
-    }
-
-    /// Removes one file of the folder, if it is there.
-    pub(super) fn remove(&self, name: &str) -> anyhow::Result<()> {
-        let path = self.path.join(name);
-        match fs::remove_file(&path) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => {
-                Err(error).with_context(|| format!("cannot remove the old {}", path.display()))
-            }
-            _ => Ok(()),
-        }
-    }
-}
+use super::aside;
+use super::console::Console;
 
 /// Where a verb's table goes: a file, or standard output.
 #[derive(Debug)]
 pub(super) enum Destination {
     Stdout,
-    File(PathBuf),
+    File {
+        path: PathBuf,
+        /// Whether a file that is there already is kept under a number.
+        keeps: bool,
+    },
 }
 
 impl Destination {
@@ -62,15 +28,52 @@ impl Destination {
             Some(path) if path == Path::new("-") => Ok(Self::Stdout),
             Some(path) => {
                 prepare_file(path)?;
-                Ok(Self::File(path.to_path_buf()))
+                Ok(Self::File { path: path.to_path_buf(), keeps: false })
             }
         }
     }
 
+    /// Decides about a file that is there already, before the work starts: unless `force` lets it be replaced, one of
+    /// the same columns, `header`, is an earlier table and will be kept under a number, and any other is refused.
+    pub(super) fn respect(&mut self, header: &[u8], force: bool) -> anyhow::Result<()> {
+        let Self::File { path, keeps } = self else { return Ok(()) };
+        if force || !path.exists() || is_stream(path) {
+            return Ok(());
+        }
+        let mut first = Vec::new();
+        let limit = header.len() as u64 + 2;
+        let file = File::open(&*path).with_context(|| format!("cannot read {}", path.display()))?;
+        BufReader::new(file.take(limit)).read_until(b'\n', &mut first)?;
+        anyhow::ensure!(
+            first.trim_ascii() == header.trim_ascii(),
+            "{} exists and is no earlier table of these columns (choose another name, or give --force to replace it)",
+            path.display()
+        );
+        *keeps = true;
+        Ok(())
+    }
+
     /// Writes the table.
-    pub(super) fn write(&self, fill: impl FnOnce(&mut dyn Write) -> anyhow::Result<()>) -> anyhow::Result<()> {
+    pub(super) fn write(
+        &self,
+        console: Console,
+        fill: impl FnOnce(&mut dyn Write) -> anyhow::Result<()>,
+    ) -> anyhow::Result<()> {
         match self {
-            Self::File(path) => write_whole(path, fill),
+            Self::File { path, keeps } => {
+                let mut kept = None;
+                write_whole(path, |out| {
+                    fill(out)?;
+                    // Not before the new one is whole.
+                    out.flush()?;
+                    kept = keeps.then(|| keep(path)).transpose()?;
+                    Ok(())
+                })?;
+                kept.iter().for_each(|kept| {
+                    console.note(format_args!("kept the earlier {} as {}", path.display(), kept.display()))
+                });
+                Ok(())
+            }
             Self::Stdout => {
                 let mut out = BufWriter::new(Watched { out: io::stdout().lock(), failure: None });
                 let written = fill(&mut out).and_then(|()| Ok(out.flush()?));
@@ -79,6 +82,32 @@ impl Destination {
                 failure.map_or(written, |kind| Err(io::Error::from(kind)).context(STDOUT))
             }
         }
+    }
+}
+
+/// The first line that `fill` writes, which is then stopped.
+pub(super) fn first_line(fill: impl FnOnce(&mut dyn Write) -> anyhow::Result<()>) -> Vec<u8> {
+    let mut line = FirstLine(Vec::new());
+    // It ends with an error of ours, or has written no line.
+    let _ = fill(&mut line);
+    let end = line.0.iter().position(|byte| *byte == b'\n').unwrap_or(line.0.len());
+    line.0.truncate(end);
+    line.0
+}
+
+struct FirstLine(Vec<u8>);
+
+impl Write for FirstLine {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.0.contains(&b'\n') {
+            return Err(io::Error::other("a line is enough"));
+        }
+        self.0.extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
     }
 }
 
@@ -135,7 +164,16 @@ pub(super) fn write_whole(path: &Path, fill: impl FnOnce(&mut dyn Write) -> anyh
     })
 }
 
+/// Gives a file that is in the way a number; its new name.
+fn keep(path: &Path) -> anyhow::Result<PathBuf> {
+    let kept = aside::numbered(path)?;
+    fs::rename(path, &kept)?;
+    Ok(kept)
+}
+
 fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> anyhow::Result<()>) -> anyhow::Result<()> {
+    let name = path.file_name().unwrap_or_default();
+    aside::remove_leftovers(folder_of(path), |left| name == left);
     let temporary = temporary_name(path);
     let written = fill_file(&temporary, fill).and_then(|()| Ok(fs::rename(&temporary, path)?));
     if written.is_err() {
@@ -172,7 +210,7 @@ pub(super) fn prepare_file(path: &Path) -> anyhow::Result<()> {
     try_writing_in(folder_of(path))
 }
 
-fn try_writing_in(folder: &Path) -> anyhow::Result<()> {
+pub(super) fn try_writing_in(folder: &Path) -> anyhow::Result<()> {
     let probe = temporary_name(&folder.join("writable"));
     File::create(&probe).with_context(|| {
         format!("cannot write in the folder {} (choose a folder you may write to)", folder.display())
@@ -210,10 +248,8 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_under_a_file_is_refused_before_work_starts() {
+    fn a_table_under_a_file_is_refused_before_work_starts() {
         let file = tempfile::NamedTempFile::new().unwrap();
-        let error = OutFolder::prepare(&file.path().join("out")).unwrap_err();
-        assert!(error.to_string().starts_with("cannot make the output folder"), "{error}");
         let error = Destination::prepare(Some(&file.path().join("out.csv"))).unwrap_err();
         assert!(error.to_string().starts_with("cannot write in the folder"), "{error}");
     }
@@ -229,10 +265,34 @@ mod tests {
             let pipe = pipe.clone();
             move || fs::read_to_string(pipe).unwrap()
         });
-        Destination::prepare(Some(&pipe)).unwrap().write(|out| Ok(out.write_all(b"rows")?)).unwrap();
+        let mut destination = Destination::prepare(Some(&pipe)).unwrap();
+        destination.respect(b"t,z", false).unwrap();
+        destination.write(Console::new(true), |out| Ok(out.write_all(b"rows")?)).unwrap();
         assert_eq!(reader.join().unwrap(), "rows");
         assert!(fs::metadata(&pipe).unwrap().file_type().is_fifo(), "it is still a pipe");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "no other file is left");
+    }
+
+    #[test]
+    fn an_earlier_table_is_kept_and_any_other_file_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run.csv");
+        let write = |rows: &'static str, force| {
+            let mut destination = Destination::prepare(Some(&path)).unwrap();
+            let header = first_line(|out| Ok(out.write_all(rows.as_bytes())?));
+            destination.respect(&header, force)?;
+            destination.write(Console::new(true), |out| Ok(out.write_all(rows.as_bytes())?))
+        };
+        let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+        write("t,z\n0,1\n", false).unwrap();
+        write("t,z\n0,2\n", false).unwrap();
+        write("t,z\n0,3\n", false).unwrap();
+        assert_eq!(["run.csv.1", "run.csv.2", "run.csv"].map(read), ["t,z\n0,1\n", "t,z\n0,2\n", "t,z\n0,3\n"]);
+        write("t,z\n0,4\n", true).unwrap();
+        assert_eq!((read("run.csv").as_str(), fs::read_dir(folder.path()).unwrap().count()), ("t,z\n0,4\n", 3));
+        let refused = write("t,z,more\n0,1,2\n", false).unwrap_err().to_string();
+        assert!(refused.contains("run.csv exists and is no earlier table of these columns"), "{refused}");
+        assert_eq!(read("run.csv"), "t,z\n0,4\n");
     }
 
     #[test]

@@ -6,9 +6,10 @@ use clap::Args;
 use serde::Serialize;
 
 use super::console::Console;
-use super::files::{self, Destination, OutFolder};
+use super::files::{self, Destination};
+use super::folder::OutFolder;
 use super::load::{self, Loaded};
-use super::{Ending, pictures};
+use super::{Ending, memory, pictures};
 use crate::objective::Objective;
 use crate::reference::{self, Smoothed, Step};
 use crate::report::{Columns, Consistency, Covariance, Evidence, Named, RunTable, StateErrors, short};
@@ -23,9 +24,9 @@ pub(super) struct Filter {
     /// Problem file (TOML).
     problem: PathBuf,
 
-    /// Another problem file whose start values are used, such as the tuned.toml that `tune --out` writes (default: the
-    /// start values of PROBLEM).
-    #[arg(long, value_name = "FILE")]
+    /// Another problem file whose start values are used, such as the tuned.toml that `tune --out` writes, or that folder
+    /// (default: the start values of PROBLEM).
+    #[arg(long, value_name = "FILE|DIR")]
     parameters: Option<PathBuf>,
 
     /// Log to run on in place of the problem file's; `-` reads it from standard input (default: the file's
@@ -51,6 +52,11 @@ pub(super) struct Filter {
     /// drawn); it is made if need be.
     #[arg(long, value_name = "DIR")]
     figures: Option<PathBuf>,
+
+    /// Replace the file of --out and the pictures of --figures if they exist (default: keep an earlier table of the same
+    /// columns under a number, and refuse anything else).
+    #[arg(long)]
+    force: bool,
 
     /// Print objectives and consistency as one JSON object on stdout (default: the table, and a summary on stderr), for
     /// programs; the table then goes only to --out.
@@ -84,19 +90,26 @@ struct Gathered<'a> {
 
 impl Filter {
     pub(super) fn run(&self, console: Console) -> anyhow::Result<Ending> {
-        let table =
+        let mut table =
             (!self.json || self.out.is_some()).then(|| Destination::prepare(self.out.as_deref())).transpose()?;
         let loaded = load::load(Some(&self.problem), self.data.as_deref(), console)?;
         let (problem, log) = (&loaded.problem, &loaded.log);
-        if let Some(folder) = &self.figures {
-            OutFolder::prepare(folder)?;
+        let figures = self.figures.as_deref().map(OutFolder::prepare).transpose()?;
+        if !self.force {
+            figures.as_ref().map(pictures::refuse_existing).transpose()?;
+        }
+        if let Some(table) = &mut table {
+            table.respect(&self.header(&loaded), self.force)?;
         }
         let candidate = load::candidate(problem, self.parameters.as_deref())?;
+        if self.smooth {
+            memory::ensure_smoother_fits(problem, log)?;
+        }
         let smoothed = self.smooth.then(|| reference::smooth(problem, log, &candidate)).transpose()?;
         let mut gathered = Gathered::new(&loaded);
         let costs = match &table {
             None => reference::visit(problem, log, &candidate, &mut |t, step| gathered.add(t, step))?,
-            Some(table) => self.write(table, &candidate, smoothed.as_deref(), &mut gathered)?,
+            Some(table) => self.write((table, console), &candidate, smoothed.as_deref(), &mut gathered)?,
         };
         let summary = Summary {
             parameters: Named::new(problem.parameters.names(), candidate.iter().copied()),
@@ -105,7 +118,7 @@ impl Filter {
             rmse: Rmse::of(&gathered, smoothed.as_deref()),
             warnings: loaded.warnings.clone(),
         };
-        if let Some(folder) = &self.figures {
+        if let Some(folder) = &figures {
             pictures::write_run(folder, (problem, log), &candidate, &summary.consistency.whiteness)?;
         }
         if self.json {
@@ -120,19 +133,28 @@ impl Filter {
         Ok(Ending::Done)
     }
 
+    const fn columns(&self) -> Columns {
+        let covariance = if self.diagonal { Covariance::Diagonal } else { Covariance::Triangle };
+        Columns { covariance, smoothed: self.smooth }
+    }
+
+    /// The first line of the table.
+    fn header(&self, Loaded { problem, log, .. }: &Loaded) -> Vec<u8> {
+        files::first_line(|out| Ok(RunTable::new(problem, log, self.columns(), out)?.finish()?))
+    }
+
     /// Runs the filter into the table; gives the objectives.
     fn write(
         &self,
-        table: &Destination,
+        (table, console): (&Destination, Console),
         candidate: &[f64],
         smoothed: Option<&[Vec<Smoothed>]>,
         gathered: &mut Gathered,
     ) -> anyhow::Result<Vec<f64>> {
         let Loaded { problem, log, .. } = gathered.loaded;
-        let covariance = if self.diagonal { Covariance::Diagonal } else { Covariance::Triangle };
-        let columns = Columns { covariance, smoothed: smoothed.is_some() };
+        let columns = self.columns();
         let mut costs = Vec::new();
-        table.write(|out| {
+        table.write(console, |out| {
             let mut rows = RunTable::new(problem, log, columns, out)?;
             let mut written = Ok(());
             let mut next = 0;

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::console::Console;
 use super::overrides::{self, Override};
+use super::{memory, results};
 use crate::data::{self, Log, LogError, Summary};
 use crate::model::Problem;
 
@@ -69,7 +70,10 @@ pub(super) fn log_of(
     };
     let log = match &origin {
         Origin::BuiltIn(name, content) => Log::read(&problem.data, content.as_bytes(), name)?,
-        Origin::Simulated => data::simulate(&problem, None)?,
+        Origin::Simulated => {
+            memory::ensure_log_fits(&problem)?;
+            data::simulate(&problem, None)?
+        }
         Origin::Stdin | Origin::File(_) => Log::open(&problem.data, folder)?,
     };
     console.note(Summary::of(&log));
@@ -78,10 +82,11 @@ pub(super) fn log_of(
     Ok(Loaded { problem, log, origin, warnings })
 }
 
-/// The candidate that a verb runs: the start values of `parameters`, another problem file, or the problem's own.
+/// The candidate that a verb runs: the start values of `parameters`, another problem file or the folder of a run, or the
+/// problem's own.
 pub(super) fn candidate(problem: &Problem, parameters: Option<&Path>) -> anyhow::Result<Vec<f64>> {
     Ok(match parameters {
-        Some(path) => problem.candidate_from(&Problem::open(path)?)?,
+        Some(path) => problem.candidate_from(&Problem::open(&results::file_in(path, results::TUNED)?)?)?,
         None => problem.parameters.baseline(),
     })
 }

@@ -1,5 +1,6 @@
 //! The command line: one file a verb. Results go to stdout, everything said to a person to stderr.
 
+mod aside;
 mod bench;
 mod candidates;
 mod check;
@@ -8,15 +9,20 @@ mod compare;
 mod console;
 #[cfg(feature = "gpu")]
 mod devices;
+mod earlier;
 mod evaluate;
 mod evaluator;
 mod files;
 mod filter;
+mod folder;
 mod held_out;
 mod init;
 mod interrupt;
 mod load;
+mod lock;
+mod memory;
 mod options;
+mod output;
 mod overrides;
 mod paths;
 mod pictures;
@@ -26,10 +32,12 @@ mod results;
 #[cfg(feature = "gpu")]
 mod shader;
 mod simulate;
+#[cfg(feature = "gpu")]
+mod stderr;
 mod tape;
 mod tune;
 
-use std::io::{self, ErrorKind};
+use std::io::{self, ErrorKind, Write as _};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -50,8 +58,10 @@ struct Cli {
     quiet: bool,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 done; 1 ran, but the result is not usable; 2 wrong use or input; 130 stopped by \
-                          Ctrl-C, with the best so far written.";
+const EXIT_CODES: &str = "Exit codes: 0 done; 1 ran, but the result is not usable; 2 wrong use or input; 130, 143, 129 \
+                          stopped by Ctrl-C, SIGTERM or SIGHUP, with the best so far written.\n\nFiles that exist: \
+                          nothing is overwritten unless --force says so. What an earlier run of the same kind left is \
+                          kept under a number (out.1, run.csv.1) and anything else is refused.";
 
 #[derive(Debug, Subcommand)]
 enum Verb {
@@ -77,7 +87,8 @@ enum Verb {
 enum Ending {
     Done,
     NotUsable,
-    Interrupted,
+    /// By a signal, with this exit code.
+    Interrupted(u8),
 }
 
 impl From<Ending> for ExitCode {
@@ -85,20 +96,24 @@ impl From<Ending> for ExitCode {
         Self::from(match ending {
             Ending::Done => 0,
             Ending::NotUsable => 1,
-            Ending::Interrupted => 130,
+            Ending::Interrupted(code) => code,
         })
     }
 }
 
 /// Runs the command with the process's arguments. Exit codes: 0 done, 1 ran but the result is not usable, 2 wrong use
-/// or input, 130 interrupted. A reader that closes our output early (`| head`) is no error.
+/// or input, 130, 143 or 129 interrupted by SIGINT, SIGTERM or SIGHUP. A reader that closes our output early (`| head`) is no error.
 #[must_use]
 pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(usage) => {
+            let text = usage.render().to_string();
             // Nobody is left to tell when even this cannot be printed.
-            let _ = usage.print();
+            let _ = match console::cut(&text) {
+                short if short != text => write!(io::stderr().lock(), "{short}"),
+                _ => usage.print(),
+            };
             return if usage.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS };
         }
     };

@@ -8,14 +8,24 @@ pub(super) fn seen_from(folder: &Path, file: &Path) -> PathBuf {
     if file.is_absolute() {
         return file.to_path_buf();
     }
-    let (Ok(folder), Ok(file)) = (folder.canonicalize(), file.canonicalize()) else { return file.to_path_buf() };
+    relative(folder, file).or_else(|| file.canonicalize().ok()).unwrap_or_else(|| file.to_path_buf())
+}
+
+/// `file` as seen from `folder`, if they share a folder below the root.
+pub(super) fn relative(folder: &Path, file: &Path) -> Option<PathBuf> {
+    let (folder, file) = (folder.canonicalize().ok()?, file.canonicalize().ok()?);
     let shared = folder.components().zip(file.components()).take_while(|(a, b)| a == b).count();
     let is_name = |c: &Component| matches!(c, Component::Normal(_));
     if !folder.components().take(shared).any(|c| is_name(&c)) {
-        return file;
+        return None;
     }
     let up = folder.components().skip(shared).map(|_| Component::ParentDir);
-    up.chain(file.components().skip(shared)).collect()
+    Some(up.chain(file.components().skip(shared)).collect())
+}
+
+/// Whether both are there and the same.
+pub(super) fn are_one(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
 #[cfg(test)]

@@ -1,8 +1,6 @@
 //! The pictures of `tune --out` and `filter --figures`.
 
-use std::path::Path;
-
-use super::files::OutFolder;
+use super::folder::OutFolder;
 use crate::data::{HeldOut, Log};
 use crate::evaluate::CpuEvaluator;
 use crate::model::{Problem, SplitBy};
@@ -76,18 +74,25 @@ pub(super) fn write_tuning(
     pictures.push(("landscape.svg", around));
     pictures.extend(of_front(problem, outcome));
     pictures.extend(of_run(problem, logs, &winner.candidate, whiteness)?);
-    write(&folder.path().join(FOLDER), &pictures)
+    write(&OutFolder::prepare(&folder.path().join(FOLDER))?, &pictures)
+}
+
+/// The pictures of a study, as they are called in its folder.
+pub(super) fn names() -> impl Iterator<Item = String> {
+    NAMES.iter().map(|name| format!("{FOLDER}/{name}"))
 }
 
 /// Removes the pictures of an earlier study.
 pub(super) fn clear(folder: &OutFolder) -> anyhow::Result<()> {
-    let figures = folder.path().join(FOLDER);
-    for name in NAMES {
-        folder.remove(&format!("{FOLDER}/{name}"))?;
-    }
-    // It stays where the user keeps something in it, and need not be there at all.
-    let _ = std::fs::remove_dir(figures);
+    names().try_for_each(|name| folder.remove(&name))?;
+    remove_folder(folder);
     Ok(())
+}
+
+/// Removes their folder, unless the user keeps something in it.
+pub(super) fn remove_folder(folder: &OutFolder) {
+    // It need not be there at all.
+    let _ = std::fs::remove_dir(folder.path().join(FOLDER));
 }
 
 /// The pictures that stand in the folder of a study, in their order.
@@ -132,9 +137,14 @@ fn caption(name: &str) -> &'static str {
     }
 }
 
+/// Refuses to replace pictures that are there already.
+pub(super) fn refuse_existing(folder: &OutFolder) -> anyhow::Result<()> {
+    folder.refuse_existing(NAMES, "the pictures there")
+}
+
 /// The pictures of a filter run, into a folder of their own.
 pub(super) fn write_run(
-    folder: &Path,
+    folder: &OutFolder,
     (problem, log): (&Problem, &Log),
     candidate: &[f64],
     whiteness: &[Whiteness],
@@ -197,8 +207,7 @@ fn of_run(problem: &Problem, logs: Logs<'_>, candidate: &[f64], whiteness: &[Whi
     Ok(pictures)
 }
 
-fn write(folder: &Path, pictures: &Pictures) -> anyhow::Result<()> {
-    let folder = OutFolder::prepare(folder)?;
+fn write(folder: &OutFolder, pictures: &Pictures) -> anyhow::Result<()> {
     for (name, figure) in pictures {
         let svg = figure.to_svg()?;
         folder.write(name, |out| Ok(out.write_all(svg.as_bytes())?))?;

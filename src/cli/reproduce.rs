@@ -9,8 +9,8 @@ use serde::Serialize;
 
 use super::Ending;
 use super::console::Console;
-use super::files::{self, OutFolder};
-use super::options;
+use super::folder::OutFolder;
+use super::{files, options};
 use crate::reproduce::{self, Options, Progress, PublishedStudy, Reproduction, STUDIES, Target};
 
 /// Run a published study again: its table beside ours, and targets that pass or fail (exit code 1 if one fails).
@@ -40,10 +40,17 @@ pub(super) struct Reproduce {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
+    /// Replace the files of an earlier reproduction, or of anything else, in the folder of --out (default: refuse).
+    #[arg(long)]
+    force: bool,
+
     /// Print the result as one JSON object on stdout (default: tables), for programs.
     #[arg(long)]
     json: bool,
 }
+
+const REPORT: &str = "report.md";
+const RESULT: &str = "result.json";
 
 /// Several studies as one JSON object.
 #[derive(Debug, Serialize)]
@@ -85,7 +92,14 @@ impl Reproduce {
     fn folders(&self, studies: &[&PublishedStudy]) -> anyhow::Result<Vec<Option<OutFolder>>> {
         let folder_of = |study: &&PublishedStudy| {
             let path = |out: &PathBuf| if self.name == "all" { out.join(study.name) } else { out.clone() };
-            self.out.as_ref().map(|out| OutFolder::prepare(&path(out))).transpose()
+            let prepare = |out: &PathBuf| {
+                let folder = OutFolder::prepare(&path(out))?;
+                if !self.force {
+                    folder.refuse_existing([REPORT, RESULT], "what is there")?;
+                }
+                Ok(folder)
+            };
+            self.out.as_ref().map(prepare).transpose()
         };
         studies.iter().map(folder_of).collect()
     }
@@ -124,8 +138,8 @@ fn write(folder: &OutFolder, result: &Reproduction) -> anyhow::Result<()> {
     for table in [&targets, &result.table].into_iter().chain(&result.tables).chain(&result.data) {
         folder.write(&format!("{}.csv", table.name), |out| Ok(table.write_csv(out)?))?;
     }
-    folder.write("report.md", |out| Ok(out.write_all(result.markdown(&figures).as_bytes())?))?;
-    folder.write("result.json", |out| {
+    folder.write(REPORT, |out| Ok(out.write_all(result.markdown(&figures).as_bytes())?))?;
+    folder.write(RESULT, |out| {
         serde_json::to_writer(&mut *out, result)?;
         Ok(out.write_all(b"\n")?)
     })

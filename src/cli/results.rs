@@ -1,12 +1,13 @@
 //! The files of `tune --out DIR`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use anyhow::ensure;
 use serde::Serialize;
 
-use super::files::OutFolder;
+use super::folder::OutFolder;
 use super::load::Origin;
-use super::{paths, pictures};
+use super::{checkpoint, paths, pictures};
 use crate::model::Problem;
 use crate::report::{Nothing, Tuning, markdown, markdown_without_winner, write_front};
 use crate::study::Generation;
@@ -14,9 +15,39 @@ use crate::study::Generation;
 /// By which a folder is known to be that of a finished run.
 pub(super) const RESULT: &str = "result.json";
 /// All others, but for pictures and the checkpoint.
-const OTHERS: [&str; 4] = ["report.md", "tuned.toml", "history.csv", "front.csv"];
+const OTHERS: [&str; 4] = ["report.md", TUNED, "history.csv", "front.csv"];
+/// The problem with the winner as its start.
+pub(super) const TUNED: &str = "tuned.toml";
 
-/// Every file of a study with a winner.
+/// The names of all of them, but for pictures.
+pub(super) fn names() -> impl Iterator<Item = &'static str> {
+    [RESULT, checkpoint::NAME].into_iter().chain(OTHERS)
+}
+
+/// Whether a file is called like one of a run.
+pub(super) fn is_of_run(path: &Path) -> bool {
+    path.file_name().is_some_and(|file| names().any(|known| known == file))
+}
+
+/// The file of this name where the folder of a run is meant, by itself or by any of its files; else `path`.
+pub(super) fn file_in(path: &Path, name: &'static str) -> anyhow::Result<PathBuf> {
+    let file = if path.is_dir() {
+        path.join(name)
+    } else if is_of_run(path) {
+        path.with_file_name(name)
+    } else {
+        return Ok(path.to_path_buf());
+    };
+    ensure!(
+        file.exists() || !path.exists(),
+        "{}: is not the folder of a finished run, because it has no {name} (name a folder that `tune --out` wrote)",
+        path.display()
+    );
+    Ok(file)
+}
+
+/// Every file of a study with a winner. Pictures come last, and the report again with them: where the disk is full, or
+/// a second signal ends the process, the numbers are there.
 pub(super) fn write(
     folder: &OutFolder,
     (problem, origin): (&Problem, &Origin),
@@ -29,9 +60,10 @@ pub(super) fn write(
         folder.write("front.csv", |out| Ok(write_front(points, out)?))?;
     }
     write_problem(folder, problem, &study.winner.candidate, origin)?;
+    write_text(folder, "report.md", &markdown(tuning, &[]))?;
+    write_result(folder, tuning)?;
     pictures::write_tuning(folder, problem, study, &tuning.consistency.whiteness)?;
-    write_text(folder, "report.md", &markdown(tuning, &pictures::drawn(folder, tuning)))?;
-    write_result(folder, tuning)
+    write_text(folder, "report.md", &markdown(tuning, &pictures::drawn(folder, tuning)))
 }
 
 /// Every file of a study without one.
@@ -47,14 +79,11 @@ pub(super) fn write_nothing(
     write_result(folder, nothing)
 }
 
-/// Removes what an earlier run left, so that no file of it stands beside those of this one. The result goes first and is
-/// written last: a folder that has one is whole. The problem file itself stays, where a tuned.toml is tuned again.
+/// Removes what an earlier run left, so that no file of it stands beside those of this one. The result goes first: a
+/// folder that has one has the numbers that belong to it. The problem file itself stays, where a tuned.toml is tuned again.
 fn clear(folder: &OutFolder, problem: &str) -> anyhow::Result<()> {
     folder.remove(RESULT)?;
-    let tuned_again = |name: &str| {
-        let path = |path: &Path| path.canonicalize().ok();
-        path(Path::new(problem)).is_some_and(|problem| path(&folder.path().join(name)) == Some(problem))
-    };
+    let tuned_again = |name: &str| paths::are_one(&folder.path().join(name), Path::new(problem));
     OTHERS.iter().filter(|name| !tuned_again(name)).try_for_each(|name| folder.remove(name))?;
     pictures::clear(folder)
 }
@@ -92,5 +121,5 @@ fn write_problem(folder: &OutFolder, problem: &Problem, winner: &[f64], origin: 
         Some(file) => problem.tuned_with_file(winner, &file.display().to_string()),
         None => problem.tuned(winner),
     };
-    write_text(folder, "tuned.toml", &text)
+    write_text(folder, TUNED, &text)
 }

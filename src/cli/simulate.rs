@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::Ending;
 use super::console::Console;
-use super::files::Destination;
+use super::files::{self, Destination};
+use super::{Ending, memory};
 use crate::data::{self, Summary};
 use crate::model::Problem;
 
@@ -23,15 +23,23 @@ pub(super) struct Simulate {
     /// File for the log, written whole or not at all; `-` is standard output (default: standard output).
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+
+    /// Replace the file of --out if it exists (default: keep an earlier log of the same columns under a number, and
+    /// refuse any other file).
+    #[arg(long)]
+    force: bool,
 }
 
 impl Simulate {
     pub(super) fn run(&self, console: Console) -> anyhow::Result<Ending> {
-        let destination = Destination::prepare(self.out.as_deref())?;
+        let mut destination = Destination::prepare(self.out.as_deref())?;
         let problem = Problem::open(&self.problem)?;
+        memory::ensure_log_fits(&problem)?;
         let log = data::simulate(&problem, self.seed)?;
         console.note(Summary::of(&log));
-        destination.write(|out| Ok(log.write_csv(&problem.data, out)?))?;
+        let header = files::first_line(|out| Ok(log.write_csv(&problem.data, out)?));
+        destination.respect(&header, self.force)?;
+        destination.write(console, |out| Ok(log.write_csv(&problem.data, out)?))?;
         Ok(Ending::Done)
     }
 }

@@ -1,26 +1,30 @@
 //! `kfgpu tune`: the main job.
 
 use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
 
 use anyhow::anyhow;
 use clap::Args;
 
-use super::checkpoint::{self, Keeper, Resumed};
+use super::checkpoint::{Keeper, Resumed};
 use super::console::{self, Console};
 use super::evaluator::Chosen;
-use super::files::{self, OutFolder};
+use super::files;
+use super::folder::OutFolder;
 use super::held_out::{self, Trust};
+use super::interrupt::Interrupt;
 use super::load::{self, Loaded};
 use super::options::Compute;
+use super::output::{Asked, Output};
 use super::overrides::{self, Override};
 use super::progress::Progress;
-use super::{Ending, interrupt, pictures, results};
+use super::{Ending, memory, pictures, results};
 use crate::data::Log;
 use crate::evaluate::Evaluator;
 use crate::model::{Problem, TuneSpec};
 use crate::reference;
 use crate::report::{Effort, LogFacts, Tuning, mean_nis, unmet};
-use crate::study::{self, CheckpointFile, Judge, Observer, Outcome, StopReason, Study};
+use crate::study::{self, Judge, Observer, Outcome, StopReason, Study};
 
 /// Search the parameters of a filter on a log, and report how much better the best found is.
 ///
@@ -82,6 +86,12 @@ pub(super) struct Tune {
     #[arg(long, value_name = "FILE|DIR")]
     resume: Option<PathBuf>,
 
+    /// Replace what is in the folder of --out, and the file of --checkpoint, whatever it is (default: an earlier run of the
+    /// same problem or log is kept in a folder DIR.1, DIR.2, ...; a run of another study, files that are no run's and a
+    /// checkpoint that is not resumed are refused).
+    #[arg(long)]
+    force: bool,
+
     /// Print the result as one JSON object on stdout (default: a short report), for programs.
     #[arg(long)]
     json: bool,
@@ -133,25 +143,30 @@ struct Search {
 
 impl Tune {
     pub(super) fn run(&self, console: Console) -> anyhow::Result<Ending> {
+        let interrupt = Interrupt::listen()?;
         let resumed = self.resume.as_deref().map(Resumed::open).transpose()?;
         let Loaded { problem, log, origin, warnings } = self.load(resumed.as_ref(), console)?;
+        memory::ensure_population_fits(&problem)?;
         let facts = LogFacts::of(&log);
         let split = self.trust.split(&problem, log)?;
         resumed.as_ref().map(|resumed| resumed.check(&problem, &split.train)).transpose()?;
         let doubts = held_out::doubts(&problem, &split, &origin);
         doubts.iter().for_each(|doubt| console.warn(doubt));
-        let folder = self.out.as_deref().or_else(|| resumed.as_ref()?.folder());
-        let folder = folder.map(OutFolder::prepare).transpose()?;
-        let kept_in = folder.as_ref().map(|folder| folder.path().join(checkpoint::NAME));
-        let kept_in = self.checkpoint.clone().or(kept_in).or_else(|| Some(resumed.as_ref()?.file().to_path_buf()));
-        let file = kept_in.map(|path| checkpoint::file(&path, &problem, &split.train, &origin)).transpose()?;
-        let (outcome, evaluator) = self.study(&problem, &split.train, resumed.as_ref(), file, console)?;
+        let asked = Asked { out: self.out.as_deref(), checkpoint: self.checkpoint.as_deref(), force: self.force };
+        let mut output = Output::prepare(asked, resumed.as_ref(), (&problem, &split.train, &origin))?;
+        let stop = interrupt.flag();
+        let about = (&problem, &split.train);
+        let (outcome, evaluator) = self.study(about, resumed.as_ref(), &mut output, &stop, console)?;
+        let (folder, stopped) = (output.folder(), Ending::Interrupted(interrupt.exit_code()));
 
         let device = evaluator.device();
         let warnings = [warnings, doubts, evaluator.notices.said()].concat();
         let said = warnings.len();
         let effort = Effort::of(&problem, facts, &outcome, device, warnings);
-        let Some(winner) = &outcome.winner else { return self.report_nothing(effort, &outcome, folder.as_ref()) };
+        let Some(winner) = &outcome.winner else {
+            let not_usable = self.report_nothing(effort, &outcome, folder)?;
+            return Ok(if outcome.stop == StopReason::Interrupted { stopped } else { not_usable });
+        };
         let tuning = Tuning::of(effort, &problem, &split, (&outcome, winner))?;
         let scorer = || evaluator.in_f64(self.compute.cpu());
         let write = |folder: &OutFolder| {
@@ -160,12 +175,12 @@ impl Tune {
             results::write(folder, (&problem, &origin), &tuning, &pictures)
         };
         // What was found is said even where the disk is full.
-        let written = folder.as_ref().map(write).transpose();
+        let written = folder.map(write).transpose();
         self.show(&tuning, &tuning.effort.warnings[said..], console)?;
         written?;
         let feasible = unmet(&tuning.constraints).map(|sentence| console::error(&anyhow!(sentence))).is_none();
         Ok(match outcome.stop {
-            StopReason::Interrupted => Ending::Interrupted,
+            StopReason::Interrupted => stopped,
             _ if feasible => Ending::Done,
             _ => Ending::NotUsable,
         })
@@ -197,16 +212,15 @@ impl Tune {
         }
     }
 
-    /// Searches, with Ctrl-C asking for the best so far.
+    /// Searches until it ends or is asked to stop.
     fn study(
         &self,
-        problem: &Problem,
-        log: &Log,
+        (problem, log): (&Problem, &Log),
         resumed: Option<&Resumed>,
-        file: Option<CheckpointFile>,
+        output: &mut Output,
+        stop: &AtomicBool,
         console: Console,
     ) -> anyhow::Result<(Outcome, Chosen)> {
-        let interrupt = interrupt::flag()?;
         let compute = resumed.map_or_else(|| Ok(self.compute.clone()), |resumed| resumed.compute(&self.compute))?;
         let mut evaluator = Chosen::new(problem, log, &compute, candidates(&problem.tune), console)?;
         let wants_another = problem.tune.polish && !evaluator.can_polish();
@@ -214,16 +228,16 @@ impl Tune {
         let oracle = |candidate: &[f64]| reference::scores(problem, log, candidate).ok();
         let judge = Judge { oracle: &oracle, polisher: polisher.as_mut().map(|p| p as &mut dyn Evaluator) };
         let mut progress = Progress::new(console, &problem.tune)?;
-        let mut keeper = file.map(|file| Keeper::new(file, evaluator.notices.clone()));
+        let mut keeper = output.begin(problem, console)?.map(|file| Keeper::new(file, evaluator.notices.clone()));
         let mut observers: Vec<&mut dyn Observer> = vec![&mut progress];
         observers.extend(keeper.as_mut().map(|keeper| keeper as &mut dyn Observer));
         let study = Study::of(problem);
         let mut outcome = match resumed.map(Resumed::snapshot) {
             Some(from) => {
                 evaluator.say_if_moved(&from.device);
-                study::resume(&study, from, &mut evaluator, judge, &mut observers, &interrupt)?
+                study::resume(&study, from, &mut evaluator, judge, &mut observers, stop)?
             }
-            None => study::run(&study, &mut evaluator, judge, &mut observers, &interrupt)?,
+            None => study::run(&study, &mut evaluator, judge, &mut observers, stop)?,
         };
         outcome.prefer_consistent(&problem.tune.pick, |candidate| mean_nis(problem, log, candidate));
         Ok((outcome, evaluator))
@@ -231,7 +245,6 @@ impl Tune {
 
     /// Says that every candidate failed, in the same places as a result.
     fn report_nothing(&self, effort: Effort, outcome: &Outcome, folder: Option<&OutFolder>) -> anyhow::Result<Ending> {
-        let interrupted = outcome.stop == StopReason::Interrupted;
         let nothing = effort.without_winner();
         let why = why_nothing(outcome);
         if let Some(folder) = folder {
@@ -243,7 +256,7 @@ impl Tune {
             files::print(&nothing.effort.to_string())?;
         }
         console::error(&anyhow!("no usable candidate: {why}"));
-        Ok(if interrupted { Ending::Interrupted } else { Ending::NotUsable })
+        Ok(Ending::NotUsable)
     }
 
     fn overrides(&self, problem: &Problem) -> Vec<Override> {

@@ -1,5 +1,7 @@
 //! The log as every later stage sees it: trajectories of strictly increasing time, missing values as NaN.
 
+use std::collections::TryReserveError;
+
 /// A measurement log, split into trajectories.
 ///
 /// Columns of every trajectory's tables follow the name lists here.
@@ -111,6 +113,14 @@ impl Trajectory {
     #[must_use]
     pub fn is_complete(&self, k: usize) -> bool {
         self.z.row(k).iter().all(|z| !z.is_nan())
+    }
+
+    /// Takes the memory of so many more rows, or says that there is none.
+    pub(super) fn reserve(&mut self, rows: usize) -> Result<(), TryReserveError> {
+        self.time.try_reserve_exact(rows)?;
+        self.line.try_reserve_exact(rows)?;
+        let tables = [&mut self.z, &mut self.u, &mut self.truth];
+        tables.into_iter().try_for_each(|table| table.values.try_reserve_exact(rows.saturating_mul(table.columns)))
     }
 
     /// The first `rows` rows.

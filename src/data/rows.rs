@@ -6,6 +6,7 @@ use csv::ByteRecord;
 
 use super::lines::Lines;
 use super::{LogError, Place};
+use crate::words;
 
 /// Spellings of a missing value, besides NaN.
 const MISSING: [&str; 3] = ["", "na", "null"];
@@ -41,7 +42,7 @@ impl<'a> Rows<'a> {
         for i in 0..rows.record.len() {
             let name = rows.cell(i)?.to_owned();
             if let Some(first) = rows.names.iter().position(|n| *n == name && !n.is_empty()) {
-                let (place, column) = (rows.place(i), name.into());
+                let (place, column) = (rows.place(i), shorten(&name));
                 return Err(LogError::DuplicateColumn { place, column, first: first + 1, second: i + 1 });
             }
             rows.names.push(name);
@@ -116,7 +117,7 @@ impl<'a> Rows<'a> {
 
     /// Name of column `i`, for messages.
     pub(crate) fn name(&self, i: usize) -> Box<str> {
-        self.names.get(i).map(String::as_str).unwrap_or_default().into()
+        shorten(self.names.get(i).map(String::as_str).unwrap_or_default())
     }
 
     /// Where cell `i` of the current row is; a row of several lines has no character column.
@@ -154,12 +155,9 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// At most 40 characters of a cell.
+/// A cell in a message.
 pub(super) fn shorten(text: &str) -> Box<str> {
-    match text.char_indices().nth(40) {
-        Some((end, _)) => format!("{}...", &text[..end]).into(),
-        None => text.into(),
-    }
+    words::shorten(text).into()
 }
 
 fn sniff(header: &[u8]) -> u8 {

@@ -28,6 +28,8 @@ pub enum SimulateError {
     Missing { found: f64 },
     #[error("{what} is not a covariance with the true parameters (an eigenvalue is negative or not a number)")]
     NotCovariance { what: &'static str },
+    #[error("a trajectory of {rows} rows does not fit in memory (use fewer steps)")]
+    TooLong { rows: usize },
     #[error("the simulated truth overflows at row {row} (use fewer steps or a stable model)")]
     NotFinite { row: usize },
 }
@@ -125,12 +127,14 @@ impl<'a> System<'a> {
         let (n, m) = (self.x0.len(), self.h.offset.len());
         let mut trajectory = Trajectory {
             id,
-            time: Vec::with_capacity(self.spec.steps + 1),
+            time: Vec::new(),
             z: Table::new(m),
             u: Table::new(0),
             truth: Table::new(n),
-            line: Vec::with_capacity(self.spec.steps + 1),
+            line: Vec::new(),
         };
+        let rows = self.spec.steps + 1;
+        trajectory.reserve(rows).map_err(|_| SimulateError::TooLong { rows })?;
         let mut x = self.x0.clone();
         if let Some(p0) = &self.p0 {
             x += p0 * draws.normals(Purpose::InitialState, 0, n);

@@ -6,6 +6,7 @@ use crate::data::Log;
 use crate::filter::{Form, Program, TraceError, trace, trace_as};
 use crate::model::Problem;
 use crate::objective::Objective;
+use crate::words::counted;
 use rayon::prelude::*;
 use std::num::NonZero;
 
@@ -206,7 +207,7 @@ impl Evaluator for CpuEvaluator {
         };
         Device {
             backend: "cpu".to_owned(),
-            adapter: format!("{}, {} threads", instruction_set(), self.threads),
+            adapter: format!("{}, {}", instruction_set(), counted(self.threads, "thread")),
             precision: precision.to_string(),
         }
     }

@@ -103,6 +103,8 @@ impl Status {
     pub const NOT_POSITIVE: Self = Self(1);
     /// A cost was not finite.
     pub const NOT_FINITE: Self = Self(2);
+    /// There was no candidate to score: `evaluate` read something else in its place.
+    pub const UNREADABLE: Self = Self(8);
 
     /// Whether no bit is set.
     #[must_use]

@@ -1,7 +1,7 @@
 //! What cannot be traced is refused, for those too who use the library and check nothing beforehand.
 
 use super::TraceError;
-use crate::data::Log;
+use crate::data::{Log, simulate};
 use crate::evaluate::{BuildError, CpuEvaluator, CpuOptions, Precision};
 use crate::model::Problem;
 use crate::reference;
@@ -88,7 +88,17 @@ fn a_step_of_too_many_numbers_is_refused() {
 #[test]
 fn shipped_problems_are_traced() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
-    let problem = Problem::open(&folder.join("nile.toml")).unwrap();
-    let log = Log::open(&problem.data, &folder).unwrap();
-    assert_eq!(refusal(&problem, &log, Precision::F32), None);
+    let files = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path());
+    let problems: Vec<_> = files.filter(|path| path.extension().is_some_and(|kind| kind == "toml")).collect();
+    assert!(problems.len() >= 10, "{problems:?}");
+    for path in problems {
+        let problem = Problem::open(&path).unwrap();
+        let log = match problem.data.file {
+            Some(_) => Log::open(&problem.data, &folder).unwrap(),
+            None => simulate(&problem, None).unwrap(),
+        };
+        for precision in [Precision::F32, Precision::F64] {
+            assert_eq!(refusal(&problem, &log, precision), None, "{} in {precision}", path.display());
+        }
+    }
 }

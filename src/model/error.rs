@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::Span;
 use crate::data::SplitError;
+use crate::words::shorten;
 
 /// A problem file that cannot be used: one sentence, with line, column and a caret where it has a place.
 #[derive(Debug, Clone, PartialEq)]
@@ -198,12 +199,12 @@ pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) 
 /// "; did you mean `a`?" or the list of what there is.
 fn suggestion(nearest: Option<&str>, known: &[String]) -> String {
     const SHOWN: usize = 12;
-    let mut list = known.iter().take(SHOWN).map(|k| format!("`{k}`")).collect::<Vec<_>>().join(", ");
+    let mut list = known.iter().take(SHOWN).map(|k| format!("`{}`", shorten(k))).collect::<Vec<_>>().join(", ");
     if known.len() > SHOWN {
         list += &format!(" and {} more", known.len() - SHOWN);
     }
     match (nearest, known.is_empty()) {
-        (Some(nearest), _) => format!(": did you mean `{nearest}`? (known: {list})"),
+        (Some(nearest), _) => format!(": did you mean `{}`? (known: {list})", shorten(nearest)),
         (None, false) => format!(" (known: {list})"),
         (None, true) => " (there are none)".to_owned(),
     }

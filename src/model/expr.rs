@@ -116,6 +116,12 @@ impl Function {
         ("max", Self::Max),
     ];
 
+    /// Its name in formulas.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(_, function)| *function == self).map_or("", |(name, _)| name)
+    }
+
     /// Number of arguments.
     #[must_use]
     pub const fn arity(self) -> usize {

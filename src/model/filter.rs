@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Expr, Span, Symbol};
+use super::{Expr, Symbol};
 
 /// Filter kinds. All of them are linear Kalman filters (affine f and h); the adaptive ones change Q or R on the way, from
 /// what the innovations of the log say, and start every trajectory anew from the model's.
@@ -95,21 +95,6 @@ impl FilterKind {
                 vec![setting("gain", gain, Range::BelowOne), setting("width", width, Range::Positive)]
             }
         }
-    }
-}
-
-impl FilterKind {
-    /// The same filter, wherever its formulas stand in the file.
-    pub(crate) fn without_spans(&self) -> Self {
-        let mut filter = self.clone();
-        let formulas = match &mut filter {
-            Self::Kalman => vec![],
-            Self::SageHusa { forgetting } => vec![forgetting],
-            Self::SageHusaR { forgetting, floor } => vec![forgetting, floor],
-            Self::Fuzzy { window: _, gain, width } => vec![gain, width],
-        };
-        formulas.into_iter().for_each(|formula| formula.map_spans(&|_| Span::default()));
-        filter
     }
 }
 

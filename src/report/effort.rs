@@ -58,6 +58,12 @@ pub struct LogFacts {
     /// SHA-256 of its numbers, so that two results can be told to be of the same log.
     #[serde(default)]
     pub sha256: String,
+    /// The same of its measurements alone, which two models may score whatever else of it they use.
+    #[serde(default)]
+    pub measurements_sha256: String,
+    /// The same of its true states.
+    #[serde(default)]
+    pub truth_sha256: String,
 }
 
 /// The result of a study without a usable candidate: what programs read of a [`super::Tuning`] is null.
@@ -98,6 +104,8 @@ impl LogFacts {
             rows: log.rows(),
             trajectories: log.trajectories.len(),
             sha256: Identity::of_log(log),
+            measurements_sha256: Identity::of_measurements(log),
+            truth_sha256: Identity::of_truth(log),
         }
     }
 }

@@ -43,8 +43,10 @@ impl fmt::Display for Effort {
         if log.trajectories > 1 {
             write!(f, " in {} trajectories", log.trajectories)?;
         }
-        let (evaluations, generations) = (count(self.evaluations), count(self.generations as u64));
-        write!(f, "\n{}, seed {}: {evaluations} evaluations in {generations} generations", self.algorithm, self.seed)?;
+        let many = |number: u64, one: &str| format!("{} {one}{}", count(number), if number == 1 { "" } else { "s" });
+        let (evaluations, generations) =
+            (many(self.evaluations, "evaluation"), many(self.generations as u64, "generation"));
+        write!(f, "\n{}, seed {}: {evaluations} in {generations}", self.algorithm, self.seed)?;
         let Device { backend, adapter, precision } = device;
         write!(f, ", {} on {backend} ({adapter}, {precision})", seconds(self.wall_s))?;
         write!(f, "\nstopped: {}", ended(self.stop))

@@ -10,10 +10,11 @@ use crate::model::TuneSpec;
 
 /// The user's own candidate by the oracle, which must give as many values as there are objectives and constraints.
 pub(super) fn baseline(candidate: Vec<f64>, oracle: &Oracle<'_>, bounds: Bounds<'_>) -> Result<Baseline, StudyError> {
-    if let Some(values) = oracle(&candidate).filter(|values| values.len() != bounds.scorers()) {
+    let values = oracle(&candidate);
+    if let Some(values) = values.as_ref().filter(|values| values.len() != bounds.scorers()) {
         return Err(StudyError::Oracle { expected: bounds.scorers(), received: values.len() });
     }
-    let verdict = bounds.ask(oracle, &candidate);
+    let verdict = values.and_then(|values| bounds.judge(values));
     let (objectives, constraints) = verdict.map(|v| (v.objectives, v.constraints)).unzip();
     Ok(Baseline { candidate, objectives, constraints })
 }

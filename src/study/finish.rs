@@ -55,7 +55,11 @@ impl Bounds<'_> {
 
     /// The oracle's verdict, if all its values are there and finite.
     pub(super) fn ask(&self, oracle: &Oracle, candidate: &[f64]) -> Option<Verdict> {
-        let mut objectives = oracle(candidate)?;
+        self.judge(oracle(candidate)?)
+    }
+
+    /// The verdict on an oracle's values.
+    pub(super) fn judge(&self, mut objectives: Vec<f64>) -> Option<Verdict> {
         if objectives.len() != self.scorers() || !objectives.iter().all(|value| value.is_finite()) {
             return None;
         }

@@ -17,7 +17,7 @@ mod tests;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 pub use archive::{Archive, Scored};
-pub use checkpoint::{Checkpoint, CheckpointError, CheckpointFile, Identity, Source};
+pub use checkpoint::{Checkpoint, CheckpointError, CheckpointFile, Identity, NUMERICS, Source};
 pub use coordinates::Coordinates;
 pub use error::StudyError;
 pub use finish::{Certificate, Polish};

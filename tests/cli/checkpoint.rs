@@ -104,7 +104,7 @@ fn simulated_and_built_in_logs_are_made_again() {
     let simulated = folder.read("problem.toml").replace("file = \"log.csv\"\ntime = \"t\"", "");
     folder.write("simulated.toml", simulated + "[simulate]\nsteps = 50\n");
     for problem in [&["simulated.toml"][..], &[]] {
-        let whole = result(&folder, &[problem, &["--generations", "5", "--out", "out"]].concat());
+        let whole = result(&folder, &[problem, &["--generations", "5", "--out", "out", "--force"]].concat());
         assert_eq!(result(&folder, &["--resume", "out"]), whole, "{problem:?}");
     }
 }
@@ -148,8 +148,8 @@ fn what_cannot_be_resumed_is_refused_with_the_reason() {
     let mut flipped = whole.clone();
     flipped[whole.len() / 2] ^= 1;
     expect(with(&flipped), "it is damaged, its checksum does not hold: copy it again");
-    let newer = [&whole[..8], &[2], &whole[9..]].concat();
-    expect(with(&newer), "it has format 2 of checkpoints, this kfgpu reads format 1");
+    let newer = [&whole[..8], &[9], &whole[9..]].concat();
+    expect(with(&newer), "it has format 9 of checkpoints, this kfgpu reads format 2");
     let missing = folder.run(&["tune", "--resume", "nowhere"]).refusal();
     expect(missing, "cannot resume from nowhere: it cannot be read: ");
     std::fs::create_dir(folder.path("empty")).unwrap();
@@ -161,7 +161,40 @@ fn what_cannot_be_resumed_is_refused_with_the_reason() {
     folder.write("log.csv", crate::command::level_log(59));
     expect(refused(&[]), "the log is not the one it was written with (\"log.csv\", as it was then): resume with");
     std::fs::remove_file(folder.path("log.csv")).unwrap();
-    expect(refused(&[]), "log.csv");
+    let lost = "cannot resume from out/checkpoint.kfgpu: its log log.csv is neither where it was nor beside the \
+                checkpoint (name it with --data)";
+    assert_eq!(refused(&[]), lost);
+}
+
+/// The project is renamed, its log with it; or the results move alone.
+#[test]
+fn a_run_that_has_moved_is_resumed() {
+    let folder = Folder::new();
+    let project = |name: &str, arguments: &[&str]| {
+        let mut command = folder.command(&[&["tune", "--json"], arguments].concat());
+        without_times(Finished::from(command.current_dir(folder.path(name)).output().unwrap()).expect(0).json())
+    };
+    std::fs::create_dir_all(folder.path("before/data")).unwrap();
+    let problem = crate::command::LEVEL.replace("log.csv", "data/log.csv");
+    folder.write("before/problem.toml", problem);
+    folder.write("before/data/log.csv", crate::command::level_log(60));
+    let whole = project("before", &["problem.toml", "--out", "out"]);
+    let early = ["problem.toml", "--out", "early", "--evaluations", "50", "--no-polish"];
+    project("before", &early);
+
+    std::fs::rename(folder.path("before"), folder.path("after")).unwrap();
+    assert_eq!(project("after", &["--resume", "out"]), whole);
+    assert_eq!(project("after", &["problem.toml", "--resume", "early"]), whole);
+    // The log lies beside the folder's new parent, not where a relative path leads.
+    std::fs::create_dir_all(folder.path("archive/2026")).unwrap();
+    std::fs::rename(folder.path("after/out"), folder.path("archive/2026/out")).unwrap();
+    let moved = project(".", &["--resume", "archive/2026/out"]);
+    assert_eq!(moved["parameters"], whole["parameters"]);
+    // To another machine, with the log in the same folder.
+    std::fs::rename(folder.path("after/data/log.csv"), folder.path("archive/2026/out/log.csv")).unwrap();
+    let moved = project("archive/2026", &["--resume", "out"]);
+    assert_eq!((&moved["parameters"], &moved["objectives"]), (&whole["parameters"], &whole["objectives"]));
+    folder.run(&["filter", "archive/2026/out/tuned.toml", "--quiet"]).expect(0);
 }
 
 #[cfg(unix)]

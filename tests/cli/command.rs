@@ -54,8 +54,6 @@ impl Folder {
     pub(crate) fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_kfgpu"));
         command.args(arguments).current_dir(self.0.path()).env_remove("RUST_BACKTRACE");
-        // Without a desktop, the layer by which Mesa orders adapters complains on stderr.
-        command.env("NODEVICE_SELECT", "1");
         command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
         command
     }

@@ -37,6 +37,46 @@ fn runs_stand_side_by_side() {
     }
 }
 
+/// Of a log with one row a second, the second model drops the time column.
+#[test]
+fn two_models_of_one_log_are_comparable_without_its_time() {
+    let folder = Folder::with_level();
+    folder.write("log.csv", level_log(60).replace("\n1,", "\n1.5,"));
+    folder.write("untimed.toml", folder.read("problem.toml").replace("time = \"t\"\n", ""));
+    let short = ["--generations", "2", "--quiet"];
+    folder.run(&[&["tune", "problem.toml", "--out", "timed"], &short[..]].concat()).expect(0);
+    folder.run(&[&["tune", "untimed.toml", "--out", "untimed"], &short[..]].concat()).expect(0);
+    let json = folder.run(&["compare", "timed", "untimed", "--json"]).expect(0).json();
+    assert_eq!(json["comparable"], true, "{}", json["differences"]);
+    let sum = |run: &str| result(&folder, run)["log"]["sha256"].clone();
+    assert_ne!(sum("timed"), sum("untimed"), "their logs have other numbers");
+}
+
+#[test]
+fn a_run_is_its_folder_or_any_file_there() {
+    let folder = two_runs();
+    let plain = folder.run(&["compare", "a", "b", "--json"]).expect(0).json();
+    let files = folder.run(&["compare", "a/tuned.toml", "b/checkpoint.kfgpu", "--json"]).expect(0).json();
+    assert_eq!(files["runs"][1]["parameters"], plain["runs"][1]["parameters"]);
+    let parameters = &result(&folder, "a")["parameters"];
+    for verb in ["filter", "check"] {
+        for run in ["a", "a/tuned.toml", "a/result.json"] {
+            let json = folder.run(&[verb, "problem.toml", "--json", "--parameters", run]);
+            assert_eq!(&json.json()["parameters"], parameters, "{verb} --parameters {run}");
+        }
+    }
+    for run in ["a", "a/checkpoint.kfgpu", "a/result.json"] {
+        let json = folder.run(&["tune", "--json", "--resume", run]).expect(0).json();
+        assert_eq!(&json["parameters"], parameters, "--resume {run}");
+    }
+    std::fs::create_dir(folder.path("empty")).unwrap();
+    let message = folder.run(&["filter", "problem.toml", "--parameters", "empty"]).refusal();
+    assert!(
+        message.starts_with("empty: is not the folder of a finished run, because it has no tuned.toml"),
+        "{message}"
+    );
+}
+
 #[test]
 fn other_logs_and_splits_are_not_comparable() {
     let folder = two_runs();

@@ -94,14 +94,60 @@ fn a_pipe_is_answered_line_by_line() {
     assert_eq!(seen, costs(&folder, &["evaluate", "problem.toml", "c.csv"]), "alone or together: the same bits");
 }
 
+const JUNK: &str = "q,r\n1,50\nNaN,2\n1,\n\n1\n1,oops\n\u{0},1\n1,2\n";
+
+/// A foreign optimiser that sends a NaN keeps its process, and gets an answer to every line.
 #[test]
-fn earlier_lines_are_answered_before_a_bad_one_is_refused() {
+fn a_line_that_is_no_candidate_is_answered_as_failed() {
     let folder = Folder::with_level();
-    let finished =
-        folder.run_with_input(&["evaluate", "problem.toml", "-", "--quiet"], "q,r\n1,50\n1,2\n1,oops\n1,3\n");
-    let finished = finished.expect(2);
+    let finished = folder.run_with_input(&["evaluate", "problem.toml", "-"], JUNK).expect(0);
+    let table = finished.table();
+    let status: Vec<&str> = table[1..].iter().map(|row| row[1].as_str()).collect();
+    assert_eq!(status, ["0", "8", "8", "8", "8", "8", "0"]);
+    let costs: Vec<f64> = table[1..].iter().map(|row| row[0].parse().unwrap()).collect();
+    assert!(costs[1..6].iter().all(|cost| *cost == f64::MAX), "{costs:?}");
+    assert_eq!([costs[0], costs[6]].map(|cost| cost < 1e4), [true; 2]);
+    for said in [
+        "warning: <stdin>:3: column \"q\": expected a finite number, found \"NaN\" (answered as failed, with status 8)",
+        "warning: <stdin>:4: column \"r\": expected a finite number, found \"\" (answered",
+        "warning: <stdin>:6: expected 2 values as in the header, found 1 (answered",
+        "warning: <stdin>:8: expected a line of UTF-8 text, found binary data (answered",
+    ] {
+        assert!(finished.stderr.contains(said), "{said:?} in {}", finished.stderr);
+    }
+    let json = folder.run_with_input(&["evaluate", "problem.toml", "-", "--json"], JUNK).expect(0).json();
+    assert_eq!(json["status"].to_string(), "[0,8,8,8,8,8,0]");
+    assert_eq!(json["objectives"]["nll"][0].as_f64(), Some(costs[0]));
+}
+
+/// Nobody may be reading stderr: a pipe that is full would stop the process.
+#[test]
+fn much_junk_is_told_ten_times() {
+    let folder = Folder::with_level();
+    let junk = format!("q,r\n{}1,50\n", "nan,nan\n".repeat(5000));
+    let finished = folder.run_with_input(&["evaluate", "problem.toml", "-"], junk).expect(0);
+    assert_eq!(finished.table().len(), 5002);
+    assert_eq!(finished.stderr.matches("answered as failed").count(), 10, "{}", finished.stderr);
+    assert!(finished.stderr.contains("status 8; more such lines are not told)"), "{}", finished.stderr);
+}
+
+#[test]
+fn candidates_out_of_bounds_are_scored_and_said_once() {
+    let folder = Folder::with_level();
+    let finished = folder.run_with_input(&["evaluate", "problem.toml", "-"], "r,q\n50,1\n200,1\n300,1\n").expect(0);
+    assert!(finished.table()[1..].iter().all(|row| row[1] == "0"), "{}", finished.stdout);
+    let said = "warning: <stdin>:3: r = 200 lies outside its bounds 0.001 to 100 (";
+    assert_eq!(finished.stderr.matches(said).count(), 1, "{}", finished.stderr);
+    assert_eq!(finished.stderr.matches("outside its bounds").count(), 1, "{}", finished.stderr);
+}
+
+#[test]
+fn a_file_is_answered_up_to_its_first_bad_line() {
+    let folder = Folder::with_level();
+    folder.write("c.csv", "q,r\n1,50\n1,2\n1,oops\n1,3\n");
+    let finished = folder.run(&["evaluate", "problem.toml", "c.csv", "--quiet"]).expect(2);
     assert_eq!(finished.table().len(), 3, "{}", finished.stdout);
-    assert_eq!(finished.stderr, "error: <stdin>:4: column \"r\": expected a finite number, found \"oops\"\n");
+    assert_eq!(finished.stderr, "error: c.csv:4: column \"r\": expected a finite number, found \"oops\"\n");
 }
 
 #[test]

@@ -41,6 +41,30 @@ fn devices_names_adapters_and_what_auto_takes() {
     assert!(auto["operations"].as_f64().unwrap() > 1e9 && !auto["why"].as_str().unwrap().is_empty(), "{auto}");
 }
 
+/// Mesa's layer that orders adapters says so where there is no desktop, and nothing of it is an error of ours.
+#[cfg(feature = "gpu")]
+#[test]
+fn a_machine_without_a_desktop_is_no_error() {
+    let folder = Folder::with_level();
+    for directory in [None, Some("/no/such/folder")] {
+        let run = |arguments: &[&str]| {
+            let mut command = folder.command(arguments);
+            command
+                .env_remove("XDG_RUNTIME_DIR")
+                .env_remove("NODEVICE_SELECT")
+                .envs(directory.map(|d| ("XDG_RUNTIME_DIR", d)));
+            crate::command::Finished::from(command.output().unwrap())
+        };
+        assert_eq!(run(&["devices"]).expect(0).stderr, "");
+        let Some(name) = adapter(&folder) else { continue };
+        let tune = ["tune", "problem.toml", "--quiet", "--generations", "1", "--adapter", &name];
+        assert_eq!(run(&tune).expect(0).stderr, "");
+        // Whatever else is said comes through.
+        let refused = run(&["tune", "problem.toml", "--adapter", "no such adapter"]).expect(2);
+        assert!(refused.stderr.contains("error: ") && !refused.stderr.contains("XDG"), "{}", refused.stderr);
+    }
+}
+
 #[cfg(feature = "gpu")]
 #[test]
 fn shader_prints_the_kernel() {

@@ -16,6 +16,11 @@ mod figures;
 mod filter;
 mod front;
 mod gpu;
+mod long_input;
+mod memory;
+mod output;
 mod reproduce;
+#[cfg(unix)]
+mod signals;
 mod tune;
 mod validation;

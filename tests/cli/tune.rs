@@ -1,7 +1,5 @@
 //! `kfgpu tune`: the result, its files, its stops.
 
-use std::time::{Duration, Instant};
-
 use serde_json::Value;
 
 use crate::command::{Finished, Folder};
@@ -187,49 +185,6 @@ fn what_needs_a_second_look_is_said_and_recorded() {
     folder.write("problem.toml", solved.replace("start = 50", &format!("start = {r}")));
     let json = tune(&folder, &["--algorithm", "random", "--generations", "1", "--no-start", "--no-polish"]);
     assert!(json["warnings"].to_string().contains("no better than the baseline"), "{json}");
-}
-
-/// Ctrl-C, as a shell sends it.
-#[cfg(unix)]
-fn interrupt(process: u32) {
-    let sent = std::process::Command::new("kill").args(["-INT", &process.to_string()]).status().unwrap();
-    assert!(sent.success(), "kill -INT {process}");
-}
-
-#[cfg(unix)]
-#[test]
-fn ctrl_c_writes_the_best_so_far_and_exits_130() {
-    let folder = Folder::with_level();
-    folder.write("log.csv", crate::command::level_log(20_000));
-    let arguments = ["tune", "problem.toml", "--json", "--generations", "1000000", "--out", "out"];
-    let child = folder.spawn(&arguments);
-    std::thread::sleep(Duration::from_millis(700));
-    let asked = Instant::now();
-    interrupt(child.id());
-    let finished = Finished::from(child.wait_with_output().unwrap()).expect(130);
-    assert!(asked.elapsed() < Duration::from_secs(20), "{:?}", asked.elapsed());
-    let json = finished.json();
-    assert_eq!(json["stop"], "interrupted");
-    assert!(json["objectives"]["nll"].as_f64() < json["baseline"]["objectives"]["nll"].as_f64(), "{json}");
-    assert_eq!(folder.names("out"), crate::command::RUN_FILES);
-}
-
-#[cfg(unix)]
-#[test]
-fn a_second_ctrl_c_does_not_wait() {
-    let folder = Folder::with_level();
-    folder.write("log.csv", crate::command::level_log(20_000));
-    // One generation takes minutes.
-    let child = folder.spawn(&["tune", "problem.toml", "--json", "--population", "1000000", "--out", "out"]);
-    std::thread::sleep(Duration::from_millis(700));
-    let asked = Instant::now();
-    interrupt(child.id());
-    std::thread::sleep(Duration::from_millis(200));
-    interrupt(child.id());
-    let finished = Finished::from(child.wait_with_output().unwrap()).expect(130);
-    assert!(asked.elapsed() < Duration::from_secs(20), "{:?}", asked.elapsed());
-    assert_eq!(finished.stdout, "");
-    assert!(folder.names("out").is_empty(), "nothing half written: {:?}", folder.names("out"));
 }
 
 #[test]

@@ -60,6 +60,53 @@ fn nile_reaches_the_known_optimum() {
     }
 }
 
+/// Optima that other programs found (tests/data/README.md): nll, and parameters to the digits given there.
+const OPTIMA: [(&str, f64, &[f64]); 3] = [
+    ("missing_years", 192.991_876_497, &[59.166_105, 12.834_858, 0.654_779]),
+    ("regression", 266.117_403_131, &[1.270_677, 0.038_019_97, 0.005_087_30, 0.000_863_76]),
+    ("hedge_ratio", 328.483_199_070, &[1.124_442e-5, 0.048_542_6]),
+];
+
+fn open_data(name: &str) -> (Problem, Log) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
+    let problem = Problem::open(&folder.join(format!("{name}.toml"))).expect("a problem");
+    let log = Log::open(&problem.data, &folder).expect("a log");
+    (problem, log)
+}
+
+/// nll is flat at its optimum: what polish leaves of the parameters is some 1e-4 where of nll it is 1e-6.
+fn expect_nll(name: &str, found: f64, known: f64) {
+    assert!((found - known).abs() < 1e-5, "{name}: nll {found}, and another program found {known}");
+}
+
+#[test]
+fn optima_of_other_programs_are_reached() {
+    for (name, nll, parameters) in OPTIMA {
+        let case = open_data(name);
+        let outcome = tune(&case, &case.0.tune, CpuOptions { precision: Precision::F64, threads: None });
+        let winner = outcome.winner.expect("a winner");
+        expect_nll(name, winner.objectives[0], nll);
+        for (found, known) in winner.candidate.iter().zip(parameters) {
+            assert!((found / known - 1.0).abs() < 1e-3, "{name}: {:?}, not {parameters:?}", winner.candidate);
+        }
+    }
+}
+
+/// By their lower factors, whose signs are free.
+#[test]
+fn full_covariances_of_another_program_are_reached() {
+    let case = open_data("two_cameras");
+    let outcome = tune(&case, &case.0.tune, CpuOptions { precision: Precision::F64, threads: None });
+    let winner = outcome.winner.expect("a winner");
+    expect_nll("two_cameras", winner.objectives[0], 1583.109_420_232);
+    let [q, r] = [&winner.candidate[..3], &winner.candidate[3..]];
+    let product = |l: &[f64]| [l[0] * l[0], l[0] * l[1], l[1] * l[1] + l[2] * l[2]];
+    let known = [[2.934_43, 2.405_52, 3.287_82], [10.106_47, -2.541_38, 3.277_36]];
+    for (found, known) in [product(q), product(r)].iter().flatten().zip(known.iter().flatten()) {
+        assert!((found / known - 1.0).abs() < 2e-3, "{:?}: {found}, not {known}", winner.candidate);
+    }
+}
+
 /// One seed gives one result, whatever the number of threads.
 #[test]
 fn threads_change_no_bit() {

@@ -2,6 +2,7 @@
 
 use super::Notices;
 use crate::cli::options::{Compute, PrecisionChoice};
+use crate::cli::stderr;
 use crate::data::Log;
 use crate::evaluate::gpu::{AdapterError, GpuError, GpuEvaluator, GpuOptions, adapters};
 use crate::evaluate::{BuildError, Evaluator, Precision};
@@ -22,7 +23,7 @@ pub(super) fn build(
     if !asked && compute.precision == PrecisionChoice::F64 {
         return Ok(None);
     }
-    match open(traced, compute) {
+    match stderr::without_desktop(|| open(traced, compute)) {
         Ok(mut evaluator) => {
             let later = notices.clone();
             evaluator.on_failure(move |sentence| later.warn(sentence));
@@ -47,7 +48,7 @@ pub(super) fn build(
 /// The name of an adapter that is here, from the description of a device that ran on it.
 pub(in crate::cli) fn adapter_of(description: &str) -> Option<String> {
     let describes = |name: &str| description.strip_prefix(name).is_some_and(|rest| rest.starts_with(" ("));
-    adapters().into_iter().map(|adapter| adapter.name).find(|name| describes(name))
+    stderr::without_desktop(adapters).into_iter().map(|adapter| adapter.name).find(|name| describes(name))
 }
 
 /// In f32 unless f64 is asked for, or the problem needs it and the choice is free.

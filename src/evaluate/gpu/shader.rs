@@ -8,6 +8,9 @@ use crate::tape::lanes::Lane;
 use crate::tape::wgsl::{Printer, WgslError, literal};
 use std::fmt::Write;
 
+/// A mask of lower bits splits every so many steps.
+const _: () = assert!(f32::STEPS_PER_SPLIT.is_power_of_two() && f64::STEPS_PER_SPLIT.is_power_of_two());
+
 const SKELETON: &str = include_str!("../../../shaders/filter.wgsl");
 
 /// Assembles the WGSL of a program.
@@ -43,7 +46,8 @@ pub fn assemble(program: &Program, precision: Precision) -> Result<String, GpuEr
             "split" => parts.split(),
             "move" => parts.move_sums()?,
             "keep" => parts.keep(),
-            _ => parts.store(),
+            "store" => parts.store(),
+            unknown => unreachable!("the skeleton has the mark `{unknown}`, for which nothing is printed"),
         };
         for line in block.lines() {
             let _ = writeln!(text, "{indent}{line}");

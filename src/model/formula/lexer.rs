@@ -2,6 +2,7 @@
 
 use crate::model::error::{Cause, Fault};
 use crate::model::{Binary, Span};
+use crate::words::shorten;
 
 /// A token.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -86,7 +87,7 @@ fn number(rest: &str, start: usize) -> Result<(Token<'static>, usize), Fault> {
         Ok(value) if value.is_finite() => Ok((Token::Number(value), length)),
         _ => {
             let span = Span { start, end: start + length };
-            Err(Fault::new(span, Cause::NotANumber { text: text.chars().take(40).collect() }))
+            Err(Fault::new(span, Cause::NotANumber { text: shorten(text) }))
         }
     }
 }
@@ -96,7 +97,7 @@ impl Token<'_> {
     pub(super) fn describe(&self) -> String {
         match self {
             Self::Number(value) => format!("the number {value}"),
-            Self::Name(name) => format!("`{}`", name.chars().take(60).collect::<String>()),
+            Self::Name(name) => format!("`{}`", shorten(name)),
             Self::Operator(op) => format!("`{}`", op.symbol()),
             Self::Open => "`(`".to_owned(),
             Self::Close => "`)`".to_owned(),

@@ -2,6 +2,7 @@
 
 use crate::model::error::{Cause, Fault, nearest};
 use crate::model::{Function, Span, Symbol};
+use crate::words::shorten;
 
 /// Every name of a problem.
 #[derive(Debug, Clone, Default)]
@@ -96,7 +97,7 @@ impl Scope<'_> {
         }
         known.push("pi".to_owned());
         let nearest = nearest(name, known.iter().map(String::as_str));
-        let name = name.chars().take(60).collect();
+        let name = shorten(name);
         Fault::new(span, Cause::UnknownName { name, nearest, known })
     }
 }
@@ -114,6 +115,6 @@ pub(super) fn function(name: &str, span: Span) -> Result<Function, Fault> {
     Function::ALL.iter().find(|(known, _)| *known == name).map(|(_, function)| *function).ok_or_else(|| {
         let nearest = nearest(name, names());
         let known = names().map(str::to_owned).collect();
-        Fault::new(span, Cause::UnknownFunction { name: name.chars().take(60).collect(), nearest, known })
+        Fault::new(span, Cause::UnknownFunction { name: shorten(name), nearest, known })
     })
 }

@@ -1,10 +1,11 @@
 //! `[tune] constraints`: `"nis_mean <= 1.2"`, `"0.8 <= nis_mean <= 1.2"`, or `{ name = "rmse", states = ["d"], max = 5 }`.
 
-use super::node::{Node, shorten};
+use super::node::Node;
 use super::objectives;
 use crate::model::{DataSpec, Span};
 use crate::model::error::{Cause, Fault};
 use crate::objective::{Constraint, Kind, Objective, Relation};
+use crate::words::shorten;
 
 const EXPECTED: &str = "a name, <= or >=, and a number, such as \"nis_mean <= 1.2\" or \"0.8 <= nis_mean <= 1.2\", or a table with `name` \
      and `max` or `min`";

@@ -82,7 +82,7 @@ fn by_name(node: &Node<'_>, axes: Axes<'_>, scope: Scope<'_>) -> Result<Vec<Expr
     for (name, span, _) in &fields.entries {
         if !labels.iter().any(|l| l == name) {
             let nearest = nearest(name, labels.iter().map(String::as_str));
-            let (key, name) = (node.key.clone(), super::node::shorten(name));
+            let (key, name) = (node.key.clone(), crate::words::shorten(name));
             return Err(Fault::new(
                 *span,
                 Cause::NoSuch { key, what: axes.what, name, nearest, known: labels.to_vec() },

@@ -2,10 +2,11 @@
 
 use toml::de::DeValue;
 
-use super::node::{Fields, Node, shorten};
+use super::node::{Fields, Node};
 use super::parameters::check_name;
 use crate::model::error::{Cause, Fault, nearest};
 use crate::model::{DataSpec, Span, SplitBy, ValidateSpec};
+use crate::words::shorten;
 
 const MAX_MEASUREMENTS: usize = 32;
 const MAX_INPUTS: usize = 64;

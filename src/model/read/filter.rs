@@ -1,9 +1,10 @@
 //! The `[filter]` table.
 
-use super::node::{Fields, Node, shorten};
+use super::node::{Fields, Node};
 use crate::model::error::{Cause, Fault, nearest};
 use crate::model::formula::{FormulaPlace, Names, Scope};
 use crate::model::{Expr, FilterKind, Model, Parameters};
+use crate::words::shorten;
 
 /// The buffer of the fuzzy kind is carried from row to row, one value a row of it and component.
 const MAX_WINDOW: u32 = 128;

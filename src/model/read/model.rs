@@ -76,7 +76,7 @@ fn find_built_in(node: &Node<'_>) -> Result<&'static BuiltIn, Fault> {
     library::ALL.iter().find(|b| b.name == name).ok_or_else(|| {
         let nearest = nearest(name, library::ALL.iter().map(|b| b.name));
         let known = library::ALL.iter().map(|b| b.name.to_owned()).collect();
-        let (key, name) = (node.key.clone(), super::node::shorten(name));
+        let (key, name) = (node.key.clone(), crate::words::shorten(name));
         node.fault(Cause::NoSuch { key, what: "the built-in model", name, nearest, known })
     })
 }
@@ -217,19 +217,16 @@ impl Draft<'_> {
     }
 
     fn read_first(&self, x0: &Start, data: &DataSpec) -> Result<First, Fault> {
-        let dt = self.fields.get("first_dt");
+        let given = self.fields.get("first_dt");
         let first = self.fields.optional("first", |n| Ok((n.clone(), n.string()?)))?;
-        match (&first, dt) {
+        match (&first, given) {
             (None | Some((_, "update")), None) => Ok(First::Update),
             (None | Some((_, "update")), Some(dt)) => {
                 Err(dt.invalid("it belongs to first = \"predict\", the step before the first row: remove it"))
             }
-            (Some((n, "predict")), dt) if !data.inputs.is_empty() => {
-                let _ = dt;
-                Err(n.invalid(
-                    "\"predict\" needs the inputs of a step before the first row, which no log has: use \"update\"",
-                ))
-            }
+            (Some((n, "predict")), _) if !data.inputs.is_empty() => Err(n.invalid(
+                "\"predict\" needs the inputs of a step before the first row, which no log has: use \"update\"",
+            )),
             (Some((n, "predict")), _) if *x0 == Start::Measurement => {
                 Err(n.invalid("\"predict\" cannot go with x0 = \"measurement\", which holds at a row: use \"update\""))
             }
@@ -270,7 +267,7 @@ fn linear_formulas(node: &Node<'_>, labels: &[String], what: &str, scope: Scope<
     let read = |entry: &Node<'_>| {
         let formula = entry.formula(scope)?;
         linear::check(&formula).map_err(|offender| {
-            let text = super::node::shorten(entry.source(offender.span));
+            let text = crate::words::shorten(entry.source(offender.span));
             Fault::new(offender.span, Cause::Nonlinear { text, key: entry.key.clone() })
         })?;
         Ok(formula)

@@ -8,6 +8,7 @@ use toml::{Spanned, value::Datetime};
 use crate::model::error::{Cause, Fault, nearest};
 use crate::model::formula::{self, Scope};
 use crate::model::{Expr, Span};
+use crate::words::shorten;
 
 /// A value, its place, and the key that messages call it by.
 #[derive(Debug, Clone)]
@@ -37,7 +38,7 @@ impl<'a> Fields<'a> {
         let mut entries = Vec::with_capacity(table.len());
         for (key, value) in table {
             let name = key.get_ref().as_ref();
-            let path = if prefix.is_empty() { name.to_owned() } else { format!("{prefix}.{name}") };
+            let path = if prefix.is_empty() { shorten(name) } else { format!("{prefix}.{}", shorten(name)) };
             let node = Node { value: value.get_ref(), span: span_of(value), key: path, text };
             entries.push((name, span_of(key), node));
         }
@@ -147,7 +148,7 @@ impl<'a> Node<'a> {
                 u64::MAX => format!("a whole number from {low}"),
                 _ => format!("a whole number from {low} to {high}"),
             };
-            self.bad_value(integer, expected)
+            self.bad_value(shorten(integer.as_str()), expected)
         })
     }
 
@@ -184,7 +185,7 @@ impl<'a> Node<'a> {
         for node in &nodes {
             let name = node.name()?;
             if !seen.insert(name.clone()) {
-                return Err(node.invalid(format!("`{name}` is listed twice")));
+                return Err(node.invalid(format!("`{}` is listed twice", shorten(&name))));
             }
             names.push(name);
         }
@@ -251,19 +252,11 @@ const fn as_f64(value: i128) -> f64 {
 fn describe(value: &DeValue<'_>) -> String {
     match value {
         DeValue::String(s) => format!("the string \"{}\"", shorten(s)),
-        DeValue::Integer(i) => format!("the number {i}"),
-        DeValue::Float(x) => format!("the number {x}"),
+        DeValue::Integer(i) => format!("the number {}", shorten(i.as_str())),
+        DeValue::Float(x) => format!("the number {}", shorten(x.as_str())),
         DeValue::Boolean(b) => format!("{b}"),
         DeValue::Datetime(Datetime { .. }) => "a date".to_owned(),
         DeValue::Array(_) => "a list".to_owned(),
         DeValue::Table(_) => "a table".to_owned(),
-    }
-}
-
-/// At most 60 characters of it.
-pub(super) fn shorten(text: &str) -> String {
-    match text.char_indices().nth(60) {
-        Some((end, _)) => format!("{}...", &text[..end]),
-        None => text.to_owned(),
     }
 }

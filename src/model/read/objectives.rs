@@ -1,9 +1,10 @@
 //! `[tune] objectives`, and what constraints share with them.
 
-use super::node::{Fields, Node, shorten};
+use super::node::{Fields, Node};
 use crate::model::DataSpec;
 use crate::model::error::{Cause, Fault, nearest};
 use crate::objective::{Kind, Objective};
+use crate::words::shorten;
 
 /// Reads `objectives`: a list of different ones, at least one.
 pub(super) fn read(node: &Node<'_>, data: &DataSpec, states: &[String]) -> Result<Vec<Objective>, Fault> {

@@ -5,6 +5,7 @@ use super::node::{Fields, Node};
 use crate::model::error::{Cause, Fault, nearest};
 use crate::model::formula::is_name;
 use crate::model::{Function, Parameter, Parameters, Scale, Search, Span, Value};
+use crate::words::shorten;
 
 /// Most parameters of a problem.
 const MAX_PARAMETERS: usize = 1024;
@@ -66,7 +67,7 @@ pub(super) fn read(fields: Option<&Fields<'_>>, factors: &[Factor]) -> Result<Pa
 /// Refuses names that formulas cannot use or that mean something else.
 pub(super) fn check_name(name: &str, span: Span) -> Result<(), Fault> {
     if !is_name(name) {
-        return Err(Fault::new(span, Cause::BadName { name: super::node::shorten(name) }));
+        return Err(Fault::new(span, Cause::BadName { name: shorten(name) }));
     }
     let taken = match name {
         "dt" => "the interval to the next row",
@@ -74,7 +75,7 @@ pub(super) fn check_name(name: &str, span: Span) -> Result<(), Fault> {
         _ if Function::ALL.iter().any(|(function, _)| *function == name) => "a function",
         _ => return Ok(()),
     };
-    Err(Fault::new(span, Cause::NameTaken { name: name.to_owned(), taken }))
+    Err(Fault::new(span, Cause::NameTaken { name: shorten(name), taken }))
 }
 
 /// The factors' elements that the file does not declare by themselves, from their templates.
@@ -156,7 +157,8 @@ fn read_tie(node: &Node<'_>, fields: &Fields<'_>, names: &[String]) -> Result<us
     }
     names.iter().position(|n| *n == name).ok_or_else(|| {
         let nearest = nearest(&name, names.iter().map(String::as_str));
-        tie.fault(Cause::NoSuch { key: tie.key.clone(), what: "the parameter", name, nearest, known: names.to_vec() })
+        let (key, name, known) = (tie.key.clone(), shorten(&name), names.to_vec());
+        tie.fault(Cause::NoSuch { key, what: "the parameter", name, nearest, known })
     })
 }
 
@@ -164,7 +166,7 @@ fn read_search(node: &Node<'_>, fields: &Fields<'_>) -> Result<Search, Fault> {
     let scale = match fields.optional("scale", |n| Ok((n.clone(), n.string()?)))? {
         None | Some((_, "linear")) => Scale::Linear,
         Some((_, "log")) => Scale::Log,
-        Some((n, other)) => return Err(n.bad_value(format!("\"{other}\""), "\"linear\" or \"log\"")),
+        Some((n, other)) => return Err(n.bad_value(format!("\"{}\"", shorten(other)), "\"linear\" or \"log\"")),
     };
     let init = fields.optional("init", read_interval)?;
     let (min, max) = read_bounds(node, fields, init.is_some())?;

@@ -1,9 +1,10 @@
 //! `[tune] pick`: which member of a front is recommended.
 
-use super::node::{Node, shorten};
+use super::node::Node;
 use crate::model::Pick;
 use crate::model::error::{Cause, Fault, nearest};
 use crate::objective::Objective;
+use crate::words::shorten;
 
 const EXPECTED: &str = "\"knee\", the name of an objective, or { weights = { ... } }";
 

@@ -1,10 +1,11 @@
 //! The `[simulate]` table.
 
 use super::covariance::{self, Axes};
-use super::node::{Fields, Node, shorten};
+use super::node::{Fields, Node};
 use crate::model::error::{Cause, Fault, nearest};
 use crate::model::formula::{FormulaPlace, Names};
 use crate::model::{DataSpec, Expr, Model, Parameters, SimulateSpec};
+use crate::words::shorten;
 
 const KEYS: [&str; 9] = ["steps", "dt", "parameters", "x0", "Q", "missing", "skip_first", "trajectories", "seed"];
 const MAX_STEPS: u32 = 100_000_000;

@@ -1,11 +1,12 @@
 //! The `[tune]` table.
 
-use super::node::{Fields, Node, shorten};
+use super::node::{Fields, Node};
 use super::{constraints, objectives, pick};
 use crate::model::error::{Cause, Fault, nearest};
 use crate::model::{DataSpec, Pick, TuneSpec};
 use crate::objective::{Kind, Objective};
 use crate::optimize::ALGORITHMS;
+use crate::words::shorten;
 
 const MAX_POPULATION: u32 = 16_777_216;
 const MAX_GENERATIONS: u32 = 1_000_000;

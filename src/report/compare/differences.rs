@@ -2,6 +2,7 @@
 
 use super::Run;
 use super::run::RunValidation;
+use crate::objective::Kind;
 use crate::report::{LogFacts, count};
 
 /// Sentences, none where the runs scored the same rows in the same way.
@@ -12,14 +13,26 @@ pub(super) fn between(first: &Run, run: &Run) -> Vec<String> {
 fn log(first: &Run, run: &Run) -> Option<String> {
     let (a, b) = (&first.log, &run.log);
     // Results of older versions have no checksum.
-    let checked = !a.sha256.is_empty() && !b.sha256.is_empty();
-    let same = if checked { a.sha256 == b.sha256 } else { (a.rows, a.trajectories) == (b.rows, b.trajectories) };
+    let equal = |a: &String, b: &String| (!a.is_empty() && !b.is_empty()).then_some(a == b);
+    let same = match equal(&a.sha256, &b.sha256) {
+        None => (a.rows, a.trajectories) == (b.rows, b.trajectories),
+        Some(true) => true,
+        // Models of one log may use other columns of it: times, inputs, and the truth where nothing is scored by it.
+        Some(false) => {
+            let truth = !needs_truth(first) || equal(&a.truth_sha256, &b.truth_sha256) == Some(true);
+            truth && equal(&a.measurements_sha256, &b.measurements_sha256) == Some(true)
+        }
+    };
     let facts = |log: &LogFacts| {
         let trajectories = if log.trajectories == 1 { "trajectory" } else { "trajectories" };
         format!("{}, {} rows in {} {trajectories}", log.source, count(log.rows as u64), log.trajectories)
     };
     let and = if facts(a) == facts(b) { ", with other numbers" } else { "" };
     (!same).then(|| format!("another log: {} on {}{and}; {} on {}.", run.path, facts(b), first.path, facts(a)))
+}
+
+fn needs_truth(run: &Run) -> bool {
+    run.objectives.iter().any(|(name, _)| Kind::ALL.iter().any(|(known, kind)| *known == name && kind.needs_truth()))
 }
 
 fn objectives(first: &Run, run: &Run) -> Option<String> {

@@ -85,6 +85,24 @@ fn runs_that_scored_other_rows_are_said_to() {
     );
 }
 
+/// One drops the time column, so that its log has other numbers.
+#[test]
+fn models_of_one_log_may_use_other_columns_of_it() {
+    let log = |all: &str, z: &str, truth: &str| {
+        format!("\"sha256\":\"{all}\",\"measurements_sha256\":\"{z}\",\"truth_sha256\":\"{truth}\"")
+    };
+    let comparable = |changes: &[(&str, &str)], b: &str| {
+        let of = |path: &str, log: &str| run(path, &[&[("\"sha256\":\"ab\"", log)], changes].concat());
+        Comparison::of(vec![of("a", &log("1", "z", "t")), of("b", b)]).unwrap().comparable
+    };
+    assert!(comparable(&[], &log("2", "z", "t")));
+    assert!(comparable(&[], &log("2", "z", "another")), "nll needs no truth");
+    let rmse = [("{\"nll\":100.5}", "{\"rmse\":1.5}")];
+    assert!(comparable(&rmse, &log("2", "z", "t")) && !comparable(&rmse, &log("2", "z", "another")));
+    assert!(!comparable(&[], &log("2", "another", "t")));
+    assert!(!comparable(&[], &log("2", "", "")), "a result of an older version says less");
+}
+
 #[test]
 fn what_cannot_be_compared_is_refused() {
     let rmse = run("b", &[("{\"nll\":100.5}", "{\"rmse\":1.5}")]);

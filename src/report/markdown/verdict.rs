@@ -4,6 +4,7 @@ use super::plain;
 use crate::report::validation::improvement_text;
 use crate::report::warnings::missed_on_held_out;
 use crate::report::{ConstraintCheck, Named, Rows, Tuning, Validation, Verdict, short, significant};
+use crate::words::counted;
 
 /// What was done, what came of it, and whether to use it.
 pub(super) fn of(tuning: &Tuning) -> Option<String> {
@@ -86,7 +87,7 @@ fn what_was_done(tuning: &Tuning) -> String {
         if count == 1 { ("one parameter".to_owned(), "was") } else { (format!("{count} parameters"), "were") };
     let rows = match &tuning.validation {
         None => "every row of it".to_owned(),
-        Some(v) if v.fresh => format!("{} realisations of it", v.train.trajectories),
+        Some(v) if v.fresh => format!("{} of it", counted(v.train.trajectories, "realisation")),
         Some(v) => format!("{} of its rows", v.train.rows),
     };
     format!(

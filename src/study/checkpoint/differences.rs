@@ -2,6 +2,8 @@
 
 use toml::{Table, Value};
 
+use crate::words::shorten;
+
 /// So many are named.
 const NAMED: usize = 3;
 
@@ -42,7 +44,7 @@ fn compare(path: &str, saved: &Table, here: &Table, found: &mut Vec<(String, Str
             (a, b) if a == b => {}
             (Some(Value::Table(a)), Some(Value::Table(b))) => compare(&path, a, b, found),
             (a, b) => {
-                let said = format!("{path} is {} there and {} here", show(a), show(b));
+                let said = format!("{} is {} there and {} here", shorten(&path), show(a), show(b));
                 found.push((path, said));
             }
         }
@@ -52,8 +54,7 @@ fn compare(path: &str, saved: &Table, here: &Table, found: &mut Vec<(String, Str
 /// A value in a line, cut where it is long.
 fn show(value: Option<&Value>) -> String {
     let Some(value) = value else { return "absent".to_owned() };
-    let text = value.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
-    if text.chars().count() <= 40 { text } else { text.chars().take(40).chain("...".chars()).collect() }
+    shorten(&value.to_string().split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
 #[cfg(test)]

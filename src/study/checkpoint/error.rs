@@ -38,13 +38,18 @@ pub enum CheckpointError {
     Content,
     /// Another kfgpu.
     #[error(
-        "it was written by kfgpu {written_by}, this is {this}, whose costs may differ in bits: resume it with that version"
+        "it was written by kfgpu {written_by} with numerics {numerics}, this is {this} with numerics {expected}, whose \
+         costs may differ in bits: resume it with the kfgpu that wrote it"
     )]
     Build {
         /// Version of the writer.
         written_by: String,
+        /// [`super::NUMERICS`] of the writer.
+        numerics: u32,
         /// Version of the reader.
         this: &'static str,
+        /// [`super::NUMERICS`] of the reader.
+        expected: u32,
     },
     /// The problem is another one.
     #[error(

@@ -1,12 +1,11 @@
 //! What a checkpoint is a checkpoint of.
 
-use std::fmt::{self, Write as _};
-
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 
-use crate::data::{Log, Table};
-use crate::model::{Problem, TuneSpec};
+use super::canon::Canon;
+use crate::data::{Log, Table, Trajectory};
+use crate::model::Problem;
 
 /// SHA-256 of whatever of a problem and a log the bits of a search depend on.
 ///
@@ -25,37 +24,51 @@ impl Identity {
     /// Of a problem and the log it is searched on.
     #[must_use]
     pub fn of(problem: &Problem, log: &Log) -> Self {
-        Self { problem: of_problem(problem), log: of_log(log) }
+        let mut canon = Canon::new(Sum(Sha256::new()));
+        canon.problem(problem);
+        Self { problem: canon.finish().0.finalize().into(), log: of_log(log) }
     }
 
     /// SHA-256 of every number of a log that a filter sees, in hexadecimal digits.
     #[must_use]
     pub fn of_log(log: &Log) -> String {
-        of_log(log).iter().map(|byte| format!("{byte:02x}")).collect()
+        hexadecimal(of_log(log))
+    }
+
+    /// SHA-256 of the measurements alone, row by row with their names, in hexadecimal digits: what the innovations of two
+    /// models are innovations of, whatever else of the log they use.
+    #[must_use]
+    pub fn of_measurements(log: &Log) -> String {
+        of_tables(log, &log.measurements, |trajectory| &trajectory.z)
+    }
+
+    /// The same of the true states.
+    #[must_use]
+    pub fn of_truth(log: &Log) -> String {
+        of_tables(log, &log.truth, |trajectory| &trajectory.truth)
     }
 }
 
-/// By the `Debug` form of its parts: that has every digit of every number, and what is added to them later.
-fn of_problem(problem: &Problem) -> [u8; 32] {
-    // Nothing is left out unseen: a new field has to be put on one side or the other.
-    let Problem { source: _, text: _, data: _, model, parameters, filter, tune, simulate: _ } = problem;
-    #[rustfmt::skip]
-    let TuneSpec {
-        algorithm, objectives, constraints, population, generations, seed, include_start,
-        evaluations: _, wall_time: _, stall: _, target: _, polish: _, pick: _,
-    } = tune;
+fn of_tables(log: &Log, names: &[String], table: impl Fn(&Trajectory) -> &Table) -> String {
     let mut sum = Sum(Sha256::new());
-    let search = (algorithm, objectives, constraints, population, generations, seed, include_start);
-    // Hashing cannot fail.
-    let (model, filter) = (model.without_spans(), filter.without_spans());
-    let _ = write!(sum, "{model:?} {parameters:?} {filter:?} {search:?}");
-    sum.0.finalize().into()
+    sum.names(names);
+    sum.number(log.trajectories.len() as u64);
+    for trajectory in &log.trajectories {
+        sum.number(trajectory.len() as u64);
+        sum.table(table(trajectory), trajectory.len());
+    }
+    hexadecimal(sum.0.finalize().into())
+}
+
+fn hexadecimal(bytes: [u8; 32]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 fn of_log(log: &Log) -> [u8; 32] {
     let Log { source: _, measurements, inputs, truth, trajectories } = log;
     let mut sum = Sum(Sha256::new());
-    let _ = write!(sum, "{measurements:?} {inputs:?} {truth:?} {}", trajectories.len());
+    [measurements, inputs, truth].iter().for_each(|names| sum.names(names));
+    sum.number(trajectories.len() as u64);
     for trajectory in trajectories {
         sum.number(trajectory.len() as u64);
         trajectory.time.iter().for_each(|t| sum.value(*t));
@@ -66,28 +79,31 @@ fn of_log(log: &Log) -> [u8; 32] {
     sum.0.finalize().into()
 }
 
-/// A hash that is written to.
-struct Sum(Sha256);
+/// A hash that is written to; whatever has no fixed length is told with its length.
+pub(super) struct Sum(Sha256);
 
 impl Sum {
-    fn number(&mut self, number: u64) {
+    pub(super) fn number(&mut self, number: u64) {
         self.0.update(number.to_le_bytes());
     }
 
     /// Missing values are all the same.
-    fn value(&mut self, value: f64) {
+    pub(super) fn value(&mut self, value: f64) {
         self.number(if value.is_nan() { f64::NAN.to_bits() } else { value.to_bits() });
+    }
+
+    pub(super) fn text(&mut self, text: &str) {
+        self.number(text.len() as u64);
+        self.0.update(text);
+    }
+
+    fn names(&mut self, names: &[String]) {
+        self.number(names.len() as u64);
+        names.iter().for_each(|name| self.text(name));
     }
 
     fn table(&mut self, table: &Table, rows: usize) {
         self.number(table.columns() as u64);
         (0..rows).for_each(|k| table.row(k).iter().for_each(|value| self.value(*value)));
-    }
-}
-
-impl fmt::Write for Sum {
-    fn write_str(&mut self, text: &str) -> fmt::Result {
-        self.0.update(text);
-        Ok(())
     }
 }

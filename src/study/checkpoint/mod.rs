@@ -7,6 +7,7 @@
 //! Numbers are little-endian; the body is a [`Checkpoint`] in postcard. Nothing of a file is believed before its
 //! checksum is right, and nothing of a checkpoint before its [`Identity`] is that of the problem and log at hand.
 
+mod canon;
 mod differences;
 mod error;
 mod file;
@@ -26,17 +27,24 @@ use sha2::{Digest as _, Sha256};
 use super::Snapshot;
 use crate::data::Log;
 use crate::model::Problem;
+use crate::words::shorten;
 
 const MAGIC: [u8; 8] = *b"kfgpuCP\n";
 /// Magic, version and length; the checksum follows.
 const FIXED: usize = MAGIC.len() + 4 + 8;
 const HEADER: usize = FIXED + 32;
 
+/// Number of the arithmetic: one for each entry under *Numerics* in CHANGELOG.md, by which the bits of some search have
+/// moved. A test compares the two.
+pub const NUMERICS: u32 = 3;
+
 /// A search that can be resumed, and what it is a search of.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
     /// Version of kfgpu that wrote it: another one may compute other bits.
     pub written_by: String,
+    /// Its [`NUMERICS`].
+    pub numerics: u32,
     /// Of problem and log.
     pub identity: Identity,
     /// Where they come from.
@@ -56,16 +64,18 @@ pub struct Source {
     pub log: Option<String>,
     /// The same file, wherever the process runs.
     pub log_absolute: Option<String>,
+    /// The same file as seen from the folder of the checkpoint, wherever the two of them are moved.
+    pub log_from_here: Option<String>,
 }
 
 impl Checkpoint {
     /// Version of the file format.
-    pub const VERSION: u32 = 1;
+    pub const VERSION: u32 = 2;
 
     /// Of this state, written by this build.
     #[must_use]
     pub fn new(identity: Identity, source: Source, snapshot: Snapshot) -> Self {
-        Self { written_by: env!("CARGO_PKG_VERSION").to_owned(), identity, source, snapshot }
+        Self { written_by: env!("CARGO_PKG_VERSION").to_owned(), numerics: NUMERICS, identity, source, snapshot }
     }
 
     /// Reads the bytes of a file; whatever they are, it does not panic, and takes memory in proportion to them.
@@ -84,8 +94,10 @@ impl Checkpoint {
             return Err(CheckpointError::Content);
         };
         let this = env!("CARGO_PKG_VERSION");
-        if checkpoint.written_by != this {
-            return Err(CheckpointError::Build { written_by: checkpoint.written_by, this });
+        let Self { written_by, numerics, .. } = &checkpoint;
+        if (written_by.as_str(), *numerics) != (this, NUMERICS) {
+            let written_by = shorten(written_by);
+            return Err(CheckpointError::Build { written_by, numerics: *numerics, this, expected: NUMERICS });
         }
         Ok(checkpoint)
     }
@@ -118,7 +130,8 @@ impl Checkpoint {
         }
         if self.identity.log != identity.log {
             let differences = differences::of_logs(&self.source.text, &problem.text);
-            return Err(CheckpointError::AnotherLog { saved: self.source.log.clone(), differences });
+            let saved = self.source.log.as_deref().map(shorten);
+            return Err(CheckpointError::AnotherLog { saved, differences });
         }
         Ok(())
     }

@@ -101,14 +101,49 @@ fn every_refusal_says_what_to_do() {
     };
     assert!(Checkpoint::read(b"").expect_err("refused").to_string().starts_with("the file is empty: name a"));
     assert!(with(0, b"t,z\n").starts_with("it is not a checkpoint of kfgpu: name the checkpoint.kfgpu"));
-    assert!(with(8, &[9]).starts_with("it has format 9 of checkpoints, this kfgpu reads format 1: resume"));
+    assert!(with(8, &[9]).starts_with("it has format 9 of checkpoints, this kfgpu reads format 2: resume"));
     assert!(with(15, &[1]).starts_with("it is truncated, "));
     assert!(with(60, &[255; 4]).starts_with("it is damaged, its checksum does not hold: copy it again"));
     let older = Checkpoint { written_by: "0.0.9".to_owned(), ..checkpoint() };
-    let error = Checkpoint::read(&older.to_bytes().expect("bytes")).expect_err("refused").to_string();
-    assert!(error.starts_with("it was written by kfgpu 0.0.9, this is 0."), "{error}");
+    let error = |checkpoint: &Checkpoint| {
+        Checkpoint::read(&checkpoint.to_bytes().expect("bytes")).expect_err("refused").to_string()
+    };
+    let said = error(&older);
+    assert!(said.starts_with(&format!("it was written by kfgpu 0.0.9 with numerics {NUMERICS}, this is 0.")), "{said}");
+    let said = error(&Checkpoint { numerics: NUMERICS - 1, ..checkpoint() });
+    let expected = format!(" with numerics {}, this is {} with numerics ", NUMERICS - 1, env!("CARGO_PKG_VERSION"));
+    assert!(said.contains(&expected) && said.contains("costs may differ in bits: resume it with"), "{said}");
     let missing = Checkpoint::open(&PathBuf::from("no/such/file")).expect_err("refused").to_string();
     assert!(missing.starts_with("it cannot be read: "), "{missing}");
+}
+
+/// Whoever adds an entry there has moved bits of searches that others may have saved.
+#[test]
+fn the_number_of_the_arithmetic_is_that_of_the_entries_in_the_changelog() {
+    let changelog = include_str!("../../../CHANGELOG.md");
+    let mut is_numerics = false;
+    let mut entries = 0;
+    for line in changelog.lines() {
+        if line.starts_with('#') {
+            is_numerics = line == "### Numerics";
+        }
+        entries += u32::from(is_numerics && line.starts_with("- "));
+    }
+    assert_eq!(NUMERICS, entries, "CHANGELOG.md has {entries} entries under Numerics: set NUMERICS to as many");
+}
+
+/// What the identity of this problem is, whatever the Rust types that hold it are called.
+#[test]
+fn the_identity_is_taken_over_words_of_its_own() {
+    let text = TEXT.replace("seed = 7", "seed = 7\nalgorithm = \"pso\"\npopulation = 9\ngenerations = 5");
+    let (problem, log) = problem(&text);
+    let hex = |bytes: [u8; 32]| bytes.iter().map(|byte| format!("{byte:02x}")).collect::<String>();
+    let Identity { problem, log } = Identity::of(&problem, &log);
+    assert_eq!(
+        (hex(problem).as_str(), hex(log).as_str()),
+        ("PROBLEM", "LOG"),
+        "no checkpoint of before could be resumed: a change of this number needs a new Checkpoint::VERSION"
+    );
 }
 
 /// A body that is no checkpoint under a checksum that holds.

@@ -101,7 +101,11 @@ fn targets(problem: &Problem, consistency: &Consistency, candidate: &[f64]) -> V
         p_value: f64::NAN,
         pass: false,
     });
-    let at_bound = problem.parameters.searched().zip(candidate).filter(|((_, search), value)| Bound::of(search, **value).is_some());
+    let at_bound = problem
+        .parameters
+        .searched()
+        .zip(candidate)
+        .filter(|((_, search), value)| Bound::of(search, **value).is_some());
     let at_bound = at_bound.count();
     let bounds = Target {
         name: "searched parameters at a bound".to_owned(),

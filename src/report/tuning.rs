@@ -5,8 +5,8 @@ use serde::Serialize;
 use super::effort::{objectives, parameters};
 use super::validation::Trained;
 use super::{
-    Bound, Consistency, ConstraintCheck, Effort, Evidence, FrontPoint, FrontSummary, HeldOutDifference, Matrices, Named,
-    Rows, Scored, StartOf, Uncertainty, Validation, Warning, constraint_checks, front, matrices, raw_rmse,
+    Bound, Consistency, ConstraintCheck, Effort, Evidence, FrontPoint, FrontSummary, HeldOutDifference, Matrices,
+    Named, Rows, Scored, StartOf, Uncertainty, Validation, Warning, constraint_checks, front, matrices, raw_rmse,
 };
 use crate::data::{HeldOut, Split};
 use crate::model::Problem;

@@ -96,12 +96,8 @@ impl Validation {
         let held = improvements(problem, held, baseline_held.map(Vec::as_slice), winner_held.map(Vec::as_slice));
         let gap: Vec<Option<f64>> = train.iter().zip(&held).map(|(train, held)| Some((*train)? - (*held)?)).collect();
         let costs = [baseline_held, winner_held].map(|costs| costs.map(Vec::as_slice));
-        let difference = HeldOutDifference::of(
-            problem,
-            held_out,
-            (baseline.candidate, costs[0]),
-            (winner.candidate, costs[1]),
-        );
+        let difference =
+            HeldOutDifference::of(problem, held_out, (baseline.candidate, costs[0]), (winner.candidate, costs[1]));
         let names = || problem.tune.objectives.iter().map(Objective::name);
         let raw = |o: &Objective| Some((o.name(), raw_rmse(problem, &held_out.log, &held_out.from, o)?));
         Some(Self {

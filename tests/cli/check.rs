@@ -77,7 +77,11 @@ fn a_glitch_fails_and_is_named() {
     folder.run(&["tune", "glitch.toml", "--quiet", "--out", "tuned"]).expect(0);
     for parameters in ["right.toml", "tuned/tuned.toml"] {
         let finished = folder.run(&["check", "glitch.toml", "--parameters", parameters]).expect(1);
-        assert!(finished.stdout.contains("outliers: line 201 (row 199, time 199) of glitch.csv alone is "), "{}", finished.stdout);
+        assert!(
+            finished.stdout.contains("outliers: line 201 (row 199, time 199) of glitch.csv alone is "),
+            "{}",
+            finished.stdout
+        );
         let json = folder.run(&["check", "glitch.toml", "--parameters", parameters, "--json"]).expect(1).json();
         assert_eq!(target(&json, "largest share of one row in the sum of NIS")["pass"], false, "{json}");
         assert_eq!(json["consistency"]["dominating_rows"][0]["line"], 201, "{json}");
@@ -88,7 +92,10 @@ fn a_glitch_fails_and_is_named() {
 #[test]
 fn a_parameter_at_its_bound_fails() {
     let folder = simulated();
-    folder.write("bound.toml", folder.read("right.toml").replace("r = { min = 1e-3, max = 1e2", "r = { min = 1e-3, max = 4"));
+    folder.write(
+        "bound.toml",
+        folder.read("right.toml").replace("r = { min = 1e-3, max = 1e2", "r = { min = 1e-3, max = 4"),
+    );
     let json = folder.run(&["check", "bound.toml", "--json"]).expect(1).json();
     assert_eq!(target(&json, "searched parameters at a bound")["measured"], 1.0, "{json}");
 }

@@ -103,7 +103,10 @@ fn worse_on_held_out_data_is_said_plainly() {
 #[test]
 fn what_held_out_rows_cannot_tell_is_said() {
     let folder = Folder::new();
-    folder.write("problem.toml", SIMULATED.replace("start = 10 }\nr", "start = 0.5 }\nr").replace("start = 10", "start = 4"));
+    folder.write(
+        "problem.toml",
+        SIMULATED.replace("start = 10 }\nr", "start = 0.5 }\nr").replace("start = 10", "start = 4"),
+    );
     folder.run(&["simulate", "problem.toml", "--out", "log.csv"]).expect(0);
     let drawn = folder.read("problem.toml");
     let (before, _) = drawn.split_once("[simulate]").unwrap();
@@ -114,7 +117,10 @@ fn what_held_out_rows_cannot_tell_is_said() {
     assert_eq!(json["validation"]["worse"], false);
     assert!(!finished.stderr.contains("worse than yours"), "{}", finished.stderr);
     let report = folder.read("out/report.md");
-    assert!(report.contains("No difference between the tuned parameters and yours that the held-out rows can tell"), "{report}");
+    assert!(
+        report.contains("No difference between the tuned parameters and yours that the held-out rows can tell"),
+        "{report}"
+    );
     assert!(!report.contains("Keep your own"), "{report}");
     let table = folder.run(&["compare", "out", "out"]).expect(0).stdout;
     assert!(table.contains("not told apart ("), "{table}");

@@ -22,7 +22,8 @@ struct Model {
 
 const LEVEL: &str = "kind = \"local-level\"\nq = \"q\"\nR = [\"r\"]\nx0 = [0]\nP0 = [4]";
 const TRACK: &str = "kind = \"constant-velocity\"\nq = \"q\"\nR = [\"r\", \"r\"]\nx0 = [0, 0, 0, 0]\nP0 = [4, 4, 1, 1]";
-const DIFFUSE: &str = "kind = \"constant-velocity\"\nq = \"q\"\nR = [\"r\", \"r\"]\nx0 = [0, 0, 0, 0]\nP0 = [400, 400, 100, 100]";
+const DIFFUSE: &str =
+    "kind = \"constant-velocity\"\nq = \"q\"\nR = [\"r\", \"r\"]\nx0 = [0, 0, 0, 0]\nP0 = [400, 400, 100, 100]";
 const SENSORS: &str = "state = [\"s\"]\nf = [\"0.95*s\"]\nh = [\"s\", \"s\", \"s\", \"s\"]\nQ = [\"q\"]\nR = [\"r\", \"r\", \"4*r\", \"9*r\"]\nx0 = [0]\nP0 = [5]";
 
 const fn level(name: &'static str, simulate: &'static str) -> Model {

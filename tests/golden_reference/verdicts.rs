@@ -10,9 +10,11 @@ const LEVEL: &str = "[data]\nmeasurements = [\"z\"]\n[model]\nstate = [\"x\"]\nf
 
 /// A level filter; also the model that its logs are drawn from.
 fn level(q: f64, r: f64, p0: f64, steps: usize) -> Problem {
-    let text = [("Q_", q), ("R_", r), ("P0_", p0)].iter().fold(LEVEL.replace("STEPS", &steps.to_string()), |text, (key, value)| {
-        text.replace(key, &format!("{value:?}"))
-    });
+    let text = [("Q_", q), ("R_", r), ("P0_", p0)]
+        .iter()
+        .fold(LEVEL.replace("STEPS", &steps.to_string()), |text, (key, value)| {
+            text.replace(key, &format!("{value:?}"))
+        });
     Problem::parse(&text, "level.toml").expect("valid")
 }
 
@@ -50,7 +52,11 @@ fn one_glitch_is_named_with_its_line() {
             let log = drawn(steps, seed, |k, z| if k == 300 { z + size } else { z });
             let found = scaled(0.09, 1.0, &log, steps);
             assert_eq!(found.verdict, Verdict::Outliers, "{size}: {found}");
-            assert_eq!((found.dominating_rows[0].place.row, found.dominating_rows[0].place.line), (300, 302), "{found}");
+            assert_eq!(
+                (found.dominating_rows[0].place.row, found.dominating_rows[0].place.line),
+                (300, 302),
+                "{found}"
+            );
             let said = advice(&found, Verdict::Outliers);
             assert!(said.contains("line 302 (row 300, time 300)") && said.contains("% of the sum of NIS"), "{said}");
             assert!(found.dominating_rows.iter().all(|row| row.p_value < 0.003 && row.share >= 0.01), "{found}");
@@ -113,7 +119,10 @@ fn both_sides_of_the_tail_count() {
 fn the_words_for_a_correlation_go_with_its_strength() {
     let sine = drawn(999, 1, |k, z| z + 5.0 * (k as f64 / 5.0).sin());
     let found = scaled(0.09, 1.0, &sine, 999);
-    assert!(advice(&found, Verdict::InnovationsCorrelated).contains("the model, not only the noise, is wrong"), "{found}");
+    assert!(
+        advice(&found, Verdict::InnovationsCorrelated).contains("the model, not only the noise, is wrong"),
+        "{found}"
+    );
     let weak = (0..200).map(|seed| drawn(199, seed, |_, z| z)).map(|log| judged(&level(0.09, 1.0, 1.0, 199), &log));
     let weak: Vec<Consistency> = weak.filter(|found| found.whiteness[0].correlated).collect();
     println!("{} of 200", weak.len());

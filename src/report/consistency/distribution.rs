@@ -86,7 +86,8 @@ impl NisDistribution {
         let tails = ("share of rows above the 95 % quantile of NIS", self.above_95);
         let tails = Test::of(TestKind::Tails, tails, self.tails_p_value, (matters, limit));
         let even = ("distance of NIS from its chi-square distribution", self.distance());
-        let even = Test::of(TestKind::NisDistribution, even, self.p_value, (self.distance() >= PRACTICAL, "below 0.05"));
+        let even =
+            Test::of(TestKind::NisDistribution, even, self.p_value, (self.distance() >= PRACTICAL, "below 0.05"));
         [Some(tails), self.p_value.is_finite().then_some(even)].into_iter().flatten()
     }
 }

@@ -49,10 +49,8 @@ pub(super) struct Sum {
 impl Sum {
     /// Of the NIS of these rows.
     pub(super) fn of<'a>(rows: impl IntoIterator<Item = &'a RowNis>) -> Self {
-        let add = |sum: Self, row: &RowNis| Self {
-            total: sum.total + row.nis,
-            count: sum.count + row.components as usize,
-        };
+        let add =
+            |sum: Self, row: &RowNis| Self { total: sum.total + row.nis, count: sum.count + row.components as usize };
         rows.into_iter().fold(Self::default(), add)
     }
 
@@ -126,11 +124,16 @@ impl<'a> Evidence<'a> {
         let whiteness = Whiteness::of(&self.log.measurements, &self.judged_series(start_is_wrong));
         let nis_distribution = NisDistribution::of(&judged, self.log.measurements.len());
         let nis_over_time = NisOverTime::of(self.log, &judged);
-        let tests = [start, mean::test(Sum::of(judged.iter().copied())), nis_over_time.as_ref().map(NisOverTime::test), dominating]
-            .into_iter()
-            .flatten()
-            .chain(nis_distribution.iter().flat_map(NisDistribution::tests))
-            .chain(Whiteness::tests(&whiteness, self.log.measurements.len()));
+        let tests = [
+            start,
+            mean::test(Sum::of(judged.iter().copied())),
+            nis_over_time.as_ref().map(NisOverTime::test),
+            dominating,
+        ]
+        .into_iter()
+        .flatten()
+        .chain(nis_distribution.iter().flat_map(NisDistribution::tests))
+        .chain(Whiteness::tests(&whiteness, self.log.measurements.len()));
         let mut consistency = Consistency {
             nis_mean: nis.mean,
             nis_low: nis.low,

@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use crate::report::short;
+
 /// The share of right filters that all tests together may accuse. By Bonferroni's inequality it is at most the sum of
 /// the levels below, whatever the tests have in common (`right_filters_are_seldom_accused`).
 pub const JOINT_LEVEL: f64 = 0.04;
@@ -67,7 +69,12 @@ pub struct Test {
 impl Test {
     /// A test at its whole level; something significant counts where it `matters` too, by the `limit` that says from
     /// where on.
-    pub(super) fn of(kind: TestKind, (name, measured): (&str, f64), p_value: f64, (matters, limit): (bool, &str)) -> Self {
+    pub(super) fn of(
+        kind: TestKind,
+        (name, measured): (&str, f64),
+        p_value: f64,
+        (matters, limit): (bool, &str),
+    ) -> Self {
         Self::among(1.0, kind, (name, measured), p_value, (matters, limit))
     }
 
@@ -80,7 +87,7 @@ impl Test {
         (matters, limit): (bool, &str),
     ) -> Self {
         let level = kind.level() / tests;
-        let required = format!("{limit}, or p of at least {level:.2e} (is {p_value:.1e})");
+        let required = format!("{limit}, or p of at least {} (is {p_value:.1e})", short(level, 3));
         Self { kind, name: name.to_owned(), measured, required, p_value, level, pass: !(matters && p_value < level) }
     }
 }

@@ -23,7 +23,8 @@ pub(super) fn of(c: &Consistency, source: &str, parameters: &Parameters, candida
     let (few, many) = if are_few(c) { (outliers, None) } else { (None, outliers) };
     let searched = parameters.searched().zip(candidate);
     let at_bounds = searched.filter_map(|((parameter, search), value)| at_bound(&parameter.name, search, *value));
-    let found = few.into_iter().chain(mean(c)).chain(correlated(c)).chain(start(c)).chain(over_time(c)).chain(at_bounds);
+    let found =
+        few.into_iter().chain(mean(c)).chain(correlated(c)).chain(start(c)).chain(over_time(c)).chain(at_bounds);
     let found: Vec<Finding> = found.chain(many).chain(distributed(c)).collect();
     if found.is_empty() { vec![nothing_wrong(c)] } else { found }
 }
@@ -36,8 +37,7 @@ fn failed(c: &Consistency, kind: TestKind) -> Option<&Test> {
 fn nothing_wrong(c: &Consistency) -> Finding {
     if c.whiteness.iter().any(Whiteness::is_tested) {
         let advice = format!(
-            "NIS has the size, the steadiness and the distribution that it should have, the innovations are white (tested \
-             together at {:.0} %) and no parameter is at a bound",
+            "no test rejects it (NIS, its course and distribution, whiteness; {:.0} % together), and no parameter is at a bound",
             100.0 * JOINT_LEVEL
         );
         return Finding { verdict: Verdict::Consistent, advice };
@@ -75,8 +75,11 @@ fn outliers(c: &Consistency, source: &str) -> Option<Finding> {
 /// The mean NIS of the rows that are judged.
 fn mean(c: &Consistency) -> Option<Finding> {
     let test = failed(c, TestKind::MeanNis)?;
-    let (verdict, side, size) =
-        if test.measured > 1.0 { (Verdict::Overconfident, "above", "small") } else { (Verdict::Underconfident, "below", "large") };
+    let (verdict, side, size) = if test.measured > 1.0 {
+        (Verdict::Overconfident, "above", "small")
+    } else {
+        (Verdict::Underconfident, "below", "large")
+    };
     let (what, which) = match c.judged_after {
         0 => (String::new(), "P0, Q or R"),
         first => (format!(" after the first {first} measured rows"), "Q or R"),
@@ -120,7 +123,8 @@ fn correlated(c: &Consistency) -> Option<Finding> {
     let names = those.iter().map(name).collect::<Vec<_>>().join(", ");
     let is_certain = least < CERTAIN || those.iter().any(|w| w.lag_1().abs() >= STRONG);
     let cause = if failed(c, TestKind::MeanNis).is_some() {
-        "either the noise alone is wrong or the model too (tune first; if they stay correlated, change the model)".to_owned()
+        "either the noise alone is wrong or the model too (tune first; if they stay correlated, change the model)"
+            .to_owned()
     } else if is_certain {
         "the model, not only the noise, is wrong (try a model of higher order, a bias state or coloured noise; if nothing \
          was tuned yet, tune first)"

@@ -86,7 +86,11 @@ impl NisOverTime {
     pub(super) fn sentence(&self) -> String {
         let [apart, rest] = [self.apart.nis_mean, self.rest].map(|mean| short(mean, 3));
         let elsewhere = if self.leads { "after" } else { "elsewhere" };
-        format!("NIS is {apart} from time {} to {} and {rest} {elsewhere}", self.apart.from.moment(), self.apart.to.moment())
+        format!(
+            "NIS is {apart} from time {} to {} and {rest} {elsewhere}",
+            self.apart.from.moment(),
+            self.apart.to.moment()
+        )
     }
 }
 

@@ -75,7 +75,7 @@ mod tests {
     fn drawn(lengths: &[usize], times: u64) -> (Portmanteau, Vec<f64>, Vec<f64>) {
         let names = ["z".to_owned()];
         let one = |index| {
-            let mut stream = Stream::new(6, Purpose::Workload, lengths.len(), index);
+            let mut stream = Stream::new(6, Purpose::Workload, lengths.len() as u64, index);
             let mut noise = |n: &usize| (0..*n).map(|_| StandardNormal.sample(&mut stream)).collect::<Vec<f64>>();
             let series: Vec<Vec<f64>> = lengths.iter().map(&mut noise).collect();
             let series: Vec<&[f64]> = series.iter().map(Vec::as_slice).collect();
@@ -95,7 +95,10 @@ mod tests {
             let mean = q.iter().sum::<f64>() / q.len() as f64;
             let variance = q.iter().map(|q| (q - mean).powi(2)).sum::<f64>() / q.len() as f64;
             assert!((mean / expected.lags as f64 - 1.0).abs() < 0.02, "{lengths:?}: mean {mean} of {expected:?}");
-            assert!((variance / expected.variance - 1.0).abs() < 0.08, "{lengths:?}: variance {variance} of {expected:?}");
+            assert!(
+                (variance / expected.variance - 1.0).abs() < 0.08,
+                "{lengths:?}: variance {variance} of {expected:?}"
+            );
             let below = 100.0 * p.iter().filter(|p| **p < 0.01).count() as f64 / q.len() as f64;
             println!("{lengths:?}: {below:.2} % below 1 %");
             assert!((0.7..1.45).contains(&below), "{lengths:?}: {below} % of p-values are below 1 %");

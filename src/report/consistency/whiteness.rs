@@ -76,7 +76,8 @@ impl Whiteness {
         }
         let p_value = Portmanteau::of(series, autocorrelation.len()).exceedance(ljung_box);
         let band = 1.96 / count.sqrt();
-        let white = Self { measurement: name.into(), count: n, autocorrelation, band, ljung_box, p_value, correlated: false };
+        let white =
+            Self { measurement: name.into(), count: n, autocorrelation, band, ljung_box, p_value, correlated: false };
         let correlated = p_value < TestKind::Whiteness.level() / number(tests) && white.largest() >= PRACTICAL;
         Some(Self { correlated, ..white })
     }

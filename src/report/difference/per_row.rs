@@ -73,7 +73,9 @@ impl PerRow {
         for rows in self.rows.chunk_by(|a, b| a.0 == b.0) {
             let rows = &rows[rows.len().saturating_sub(objective.window)..];
             let last = rows.last().map_or(f64::NAN, |row| row.2);
-            kept.extend(rows.iter().map(|(t, value, weight)| (*t, *value, if objective.ct_last { last } else { *weight })));
+            kept.extend(
+                rows.iter().map(|(t, value, weight)| (*t, *value, if objective.ct_last { last } else { *weight })),
+            );
         }
         self.rows = kept;
     }

@@ -96,7 +96,8 @@ fn what_is_told_apart_is_said_to_be() {
 fn a_failing_filter_is_worse_and_few_rows_tell_nothing() {
     let problem = problem("validate = { share = 0.1, by = \"time\" }", "[\"nll\"]", "steps = 59\n");
     let held_out = held_out(&problem, simulate(&problem, Some(1)).unwrap());
-    let of = |baseline, winner| HeldOutDifference::of(&problem, &held_out, (&[0.5, 4.0], baseline), (&[20.0, 0.1], winner));
+    let of =
+        |baseline, winner| HeldOutDifference::of(&problem, &held_out, (&[0.5, 4.0], baseline), (&[20.0, 0.1], winner));
     assert_eq!(of(Some(&[1.0]), None).verdict, Standing::Worse);
     assert_eq!(of(None, Some(&[1.0])).verdict, Standing::Better);
     assert_eq!(of(None, None).verdict, Standing::NotToldApart);

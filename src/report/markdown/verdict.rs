@@ -82,7 +82,9 @@ fn on_held_out(validation: &Validation, standing: &str) -> String {
 
 /// In what the winner gains on the baseline, as a predicate of "the tuned parameters"; `None` where it is in nothing.
 fn standing(tuning: &Tuning) -> Option<String> {
-    let Some(baseline) = &tuning.effort.baseline.objectives else { return Some(format!("run, where {} {}", tuning.start_of, tuning.start_of.verb("fail", "fails"))) };
+    let Some(baseline) = &tuning.effort.baseline.objectives else {
+        return Some(format!("run, where {} {}", tuning.start_of, tuning.start_of.verb("fail", "fails")));
+    };
     if !tuning.constraints.iter().all(ConstraintCheck::met_by_baseline) {
         let (start, does) = (tuning.start_of, tuning.start_of.verb("do", "does"));
         return Some(format!("meet every constraint, which {start} {does} not"));
@@ -161,7 +163,9 @@ fn consistency(tuning: &Tuning) -> String {
             "each error tells something of the next, which a filter with the right model would have used"
         }
         Verdict::Outliers => "a few rows are far out and decide what was tuned",
-        Verdict::WrongStart => "the errors of the first rows are not what the filter says they are, those of later ones are",
+        Verdict::WrongStart => {
+            "the errors of the first rows are not what the filter says they are, those of later ones are"
+        }
         Verdict::ChangesWithTime => "the errors are larger at some times than at others, and the filter does not know",
         Verdict::HeavyTails => "large errors are more frequent than the filter says",
         Verdict::LightTails => "large errors are rarer than the filter says, though the mean is right",

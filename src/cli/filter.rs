@@ -84,7 +84,7 @@ struct Rmse {
 /// What is collected while the filter runs.
 struct Gathered<'a> {
     loaded: &'a Loaded,
-    evidence: Evidence,
+    evidence: Evidence<'a>,
     errors: StateErrors,
 }
 

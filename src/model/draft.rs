@@ -17,6 +17,27 @@ use estimate::{Axis, Motion};
 use roles::Roles;
 use survey::Survey;
 
+/// How a drafted problem file begins, by which it is known.
+const MARK: &str = "# Drafted from ";
+/// How one begins whose starts are a study's winner.
+const TUNED_MARK: &str = "# Tuned, after a draft from ";
+
+impl super::Problem {
+    /// Whether its starts are those that [`draft`] guessed, by the comment that a draft begins with.
+    #[must_use]
+    pub fn is_drafted(&self) -> bool {
+        self.text.starts_with(MARK)
+    }
+}
+
+/// The text of a problem file with other starts: no longer a draft's.
+pub(super) fn no_longer_drafted(text: String) -> String {
+    match text.strip_prefix(MARK) {
+        Some(rest) => format!("{TUNED_MARK}{rest}"),
+        None => text,
+    }
+}
+
 /// A drafted problem file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Draft {

@@ -19,7 +19,7 @@ impl Problem {
                 set_start(table, parameter, search, *value);
             }
         }
-        document.to_string()
+        super::draft::no_longer_drafted(document.to_string())
     }
 
     /// [`Self::tuned`] for a folder from which the log is found at `file`.

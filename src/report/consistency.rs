@@ -3,12 +3,20 @@
 //!
 //! Bar-Shalom, Li and Kirubarajan (2001), *Estimation with Applications to Tracking and Navigation*, section 5.4.
 //! A mean NIS of 1 alone proves little: a search can reach it with a wrong model by inflating one noise against
-//! another, which is when the innovations are correlated and a parameter runs to its bound.
+//! another, which is when the innovations are correlated and a parameter runs to its bound; or by too much in one part of
+//! the log that makes up for too little in another. So a verdict rests on a family of tests ([`TestKind`]).
 
 mod band;
 mod curvature;
 mod distribution;
+mod dominating;
 mod evidence;
+mod family;
+mod findings;
+mod mean;
+mod over_time;
+mod place;
+mod portmanteau;
 mod uncertainty;
 mod verdict;
 mod whiteness;
@@ -24,7 +32,11 @@ use crate::report::{short, significant};
 
 pub(super) use band::Band;
 pub use distribution::NisDistribution;
+pub use dominating::DominatingRow;
 pub use evidence::Evidence;
+pub use family::{JOINT_LEVEL, Test, TestKind};
+pub use over_time::{NisOverTime, NisSpan};
+pub use place::Place;
 pub use uncertainty::{FlatDirection, Uncertainty};
 pub use verdict::{Finding, Verdict};
 pub use whiteness::Whiteness;
@@ -39,16 +51,26 @@ pub struct Consistency {
     pub nis_low: f64,
     /// Upper end.
     pub nis_high: f64,
-    /// Mean NIS without the first 20 measured rows of each trajectory, which tells a wrong P0 from wrong Q and R.
+    /// Mean NIS of the first 20 measured rows of each trajectory.
+    pub nis_first: f64,
+    /// Mean NIS without them, which tells a wrong P0 from wrong Q and R.
     pub nis_settled: f64,
     /// Number of present components.
     pub components: usize,
+    /// Measured rows of each trajectory that are left out of what follows: 20 where they are to blame, else 0.
+    pub judged_after: usize,
     /// Headline of [`Self::findings`].
     pub verdict: Verdict,
     /// Everything that holds, the headline first; never empty.
     pub findings: Vec<Finding>,
+    /// The tests that it rests on, beside the bounds of parameters.
+    pub tests: Vec<Test>,
     /// NIS of single rows; `None` without measurements.
     pub nis_distribution: Option<NisDistribution>,
+    /// NIS of one part of the log after the other; `None` where there is too little to part.
+    pub nis_over_time: Option<NisOverTime>,
+    /// Rows that carry the sum of NIS, the largest first, at most 20; mostly none.
+    pub dominating_rows: Vec<DominatingRow>,
     /// One entry per measurement.
     pub whiteness: Vec<Whiteness>,
     /// NEES, where truth of all states is there.

@@ -4,6 +4,7 @@ mod bound;
 mod compare;
 mod consistency;
 mod constraint;
+mod difference;
 mod effort;
 pub mod figures;
 mod front;
@@ -21,11 +22,13 @@ mod validation;
 mod warnings;
 
 pub use bound::Bound;
-pub use compare::{CompareError, Comparison, Run, RunBaseline, RunConsistency, RunError, RunValidation};
+pub use compare::{CompareError, Comparison, Run, RunBaseline, RunConsistency, RunError, RunHeldOut, RunValidation};
 pub use consistency::{
-    Consistency, Evidence, Finding, FlatDirection, Nees, NisDistribution, Uncertainty, Verdict, Whiteness,
+    Consistency, DominatingRow, Evidence, Finding, FlatDirection, JOINT_LEVEL, Nees, NisDistribution, NisOverTime,
+    NisSpan, Place, Test, TestKind, Uncertainty, Verdict, Whiteness,
 };
 pub use constraint::{ConstraintCheck, constraint_checks, unmet};
+pub use difference::{Difference, HeldOutDifference, Standing, StartOf};
 pub use effort::{Effort, LogFacts, Nothing, Scored};
 pub use front::{FrontPoint, FrontSummary, front, mean_nis, write_front};
 pub use markdown::{Picture, markdown, markdown_without_winner};

@@ -6,8 +6,8 @@ use super::effort::{objectives, parameters};
 use super::validation::Trained;
 use super::warnings::mixed_units;
 use super::{
-    Bound, Consistency, ConstraintCheck, Effort, Evidence, FrontPoint, FrontSummary, Matrices, Named, Rows, Scored,
-    Uncertainty, Validation, Warning, constraint_checks, front, raw_rmse,
+    Bound, Consistency, ConstraintCheck, Effort, Evidence, FrontPoint, FrontSummary, HeldOutDifference, Matrices,
+    Named, Rows, Scored, StartOf, Uncertainty, Validation, Warning, constraint_checks, front, raw_rmse,
 };
 use crate::data::{HeldOut, Split};
 use crate::model::Problem;
@@ -30,6 +30,10 @@ pub struct Tuning {
     pub measured_rows: usize,
     /// Scores on held-out rows, where there are any.
     pub validation: Option<Validation>,
+    /// What they say of the winner beside the baseline.
+    pub held_out: Option<HeldOutDifference>,
+    /// Whose the baseline's values are.
+    pub start_of: StartOf,
     /// Whether the tuned filter's innovations are what its covariances say.
     pub consistency: Consistency,
     /// The rows that this was judged on: held-out ones where there are any and the filter runs there.
@@ -112,6 +116,7 @@ impl Tuning {
         // How well the parameters are determined is a matter of the rows that determined them.
         consistency.uncertainty = Uncertainty::of(problem, log, &winner.candidate);
         let consistency_on = if held_out.is_some() { Rows::HeldOut } else { Rows::InSample };
+        let validation = validation(problem, split, &effort.baseline, winner);
         let (points, summary) = front(problem, outcome, split).unzip();
         let mut tuning = Self {
             parameters: parameters(problem, &winner.candidate),
@@ -119,7 +124,9 @@ impl Tuning {
             simulated_with: simulated_with(problem),
             objectives: objectives(problem, &winner.objectives),
             measured_rows: evidence.measured_rows(),
-            validation: validation(problem, split, &effort.baseline, winner),
+            held_out: validation.as_ref().map(|validation| validation.difference.clone()),
+            start_of: StartOf::of(problem),
+            validation,
             consistency,
             consistency_on,
             certificate: Certificate::of(problem, &winner.certificate),
@@ -172,7 +179,7 @@ fn validation(problem: &Problem, split: &Split, baseline: &Scored, winner: &Winn
 }
 
 /// The evidence of the held-out rows; `None` where the filter fails.
-fn on_held_out(problem: &Problem, held_out: &HeldOut, candidate: &[f64]) -> Option<Evidence> {
+fn on_held_out<'a>(problem: &Problem, held_out: &'a HeldOut, candidate: &[f64]) -> Option<Evidence<'a>> {
     let mut evidence = Evidence::new(problem, &held_out.log);
     let run = reference::visit(problem, &held_out.log, candidate, &mut |trajectory, step| {
         if step.row >= held_out.from[trajectory] {

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::{ConstraintCheck, Named, constraint, raw_rmse, short, significant};
+use super::{ConstraintCheck, HeldOutDifference, Named, Standing, StartOf, constraint, raw_rmse, short, significant};
 use crate::data::{HeldOut, Log, Split, scoring_rows};
 use crate::model::{Problem, SplitBy};
 use crate::objective::{Kind, Objective};
@@ -42,9 +42,15 @@ pub struct Validation {
     pub improvement_held_out: Named<Option<f64>>,
     /// The former less the latter.
     pub overfit_gap: Named<Option<f64>>,
-    /// Whether the winner is worse than the baseline on the held-out rows: not better under any objective, and worse under
-    /// one; or it fails there, and the baseline does not.
+    /// Whether the winner is worse than the baseline on the held-out rows, as far as these can tell: told worse under one
+    /// objective and better under none; or it fails there, and the baseline does not.
     pub worse: bool,
+    /// The differences with their standard errors.
+    #[serde(skip)]
+    pub difference: HeldOutDifference,
+    /// Whose the baseline's values are.
+    #[serde(skip)]
+    pub start_of: StartOf,
     /// RMSE of the raw measurements over the held-out rows, as in the result itself.
     pub raw_measurements: Named<f64>,
     /// The constraints over the held-out rows.
@@ -89,6 +95,9 @@ impl Validation {
         let held = (&held_out.log, &held_out.from[..]);
         let held = improvements(problem, held, baseline_held.map(Vec::as_slice), winner_held.map(Vec::as_slice));
         let gap: Vec<Option<f64>> = train.iter().zip(&held).map(|(train, held)| Some((*train)? - (*held)?)).collect();
+        let costs = [baseline_held, winner_held].map(|costs| costs.map(Vec::as_slice));
+        let difference =
+            HeldOutDifference::of(problem, held_out, (baseline.candidate, costs[0]), (winner.candidate, costs[1]));
         let names = || problem.tune.objectives.iter().map(Objective::name);
         let raw = |o: &Objective| Some((o.name(), raw_rmse(problem, &held_out.log, &held_out.from, o)?));
         Some(Self {
@@ -98,7 +107,9 @@ impl Validation {
             train: Part::of(&split.train, &train_from),
             held_out: Part::of(&held_out.log, &held_out.from),
             trajectories: names_of(held_out),
-            worse: is_worse(baseline_held.map(Vec::as_slice), winner_held.map(Vec::as_slice)),
+            worse: difference.verdict == Standing::Worse,
+            difference,
+            start_of: StartOf::of(problem),
             improvement_train: Named::new(names(), train),
             improvement_held_out: Named::new(names(), held),
             overfit_gap: Named::new(names(), gap),
@@ -111,29 +122,32 @@ impl Validation {
 
     /// The judgement in one sentence.
     #[must_use]
-    pub fn sentence(&self) -> &'static str {
+    pub fn sentence(&self) -> String {
+        let (difference, than) = (&self.difference, self.start_of);
         match (&self.baseline, &self.winner) {
-            (_, None) => "The tuned filter fails on held-out data.",
-            (None, Some(_)) => "Your filter fails on held-out data, and the tuned one runs.",
-            _ if self.worse => "The tuned parameters are worse than yours on held-out data.",
-            (Some(baseline), Some(winner)) if better_throughout(baseline, winner) => {
-                "The tuned parameters are better than yours on held-out data."
+            (_, None) => "The tuned filter fails on held-out data.".to_owned(),
+            (None, Some(_)) => {
+                let fails = than.verb("Your filter fails", "The drafted filter fails");
+                format!("{fails} on held-out data, and the tuned one runs.")
             }
-            _ if self.is_trade() => {
-                "On held-out data the tuned parameters are better than yours under one objective and worse under another."
-            }
-            _ => "The tuned parameters are no worse than yours on held-out data.",
+            _ if difference.is_trade() => format!(
+                "On held-out data the tuned parameters are better than {than} under one objective and worse under another: \
+                 better in {}, worse in {}.",
+                difference.amounts(Standing::Better),
+                difference.amounts(Standing::Worse)
+            ),
+            _ => match difference.verdict {
+                Standing::NotToldApart => format!(
+                    "No difference between the tuned parameters and {than} that the held-out rows can tell: {}.",
+                    difference.untold()
+                ),
+                told => format!(
+                    "The tuned parameters are {} than {than} on held-out data: {}.",
+                    if told == Standing::Better { "better" } else { "worse" },
+                    difference.amounts(told)
+                ),
+            },
         }
-    }
-}
-
-impl Validation {
-    /// Whether the winner is better than the baseline under one objective and worse under another on the held-out rows.
-    #[must_use]
-    pub fn is_trade(&self) -> bool {
-        let (Some(baseline), Some(winner)) = (&self.baseline, &self.winner) else { return false };
-        let pairs = || winner.iter().zip(baseline.iter()).map(|((_, winner), (_, baseline))| (winner, baseline));
-        pairs().any(|(w, b)| w > b) && pairs().any(|(w, b)| w < b)
     }
 }
 
@@ -182,17 +196,6 @@ fn improvements(
         Some((baseline - winner) / scale).filter(|share| share.is_finite())
     };
     problem.tune.objectives.iter().enumerate().map(improvement).collect()
-}
-
-fn better_throughout(baseline: &Named<f64>, winner: &Named<f64>) -> bool {
-    winner.iter().zip(baseline.iter()).all(|((_, winner), (_, baseline))| winner < baseline)
-}
-
-fn is_worse(baseline: Option<&[f64]>, winner: Option<&[f64]>) -> bool {
-    let Some(baseline) = baseline else { return false };
-    let Some(winner) = winner else { return true };
-    let pairs = || winner.iter().zip(baseline);
-    pairs().any(|(w, b)| w > b) && !pairs().any(|(w, b)| w < b)
 }
 
 fn names_of(held_out: &HeldOut) -> Vec<String> {
@@ -253,49 +256,6 @@ impl fmt::Display for Validation {
                 let more = if held_out.trajectories > LISTED { ", ..." } else { "" };
                 write!(f, " ({}{more})", listed.join(", "))
             }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn on_held_out(baseline: [f64; 2], winner: [f64; 2]) -> Validation {
-        let named = |values: [f64; 2]| Named::new(["nll", "rmse"], values);
-        let unknown = || Named::new(["nll", "rmse"], [None, None]);
-        let part = Part { rows: 10, trajectories: 1 };
-        Validation {
-            by: SplitBy::Time,
-            fresh: false,
-            share: 0.5,
-            train: part,
-            held_out: part,
-            trajectories: Vec::new(),
-            worse: is_worse(Some(&baseline), Some(&winner)),
-            baseline: Some(named(baseline)),
-            winner: Some(named(winner)),
-            improvement_train: unknown(),
-            improvement_held_out: unknown(),
-            overfit_gap: unknown(),
-            raw_measurements: Named::default(),
-            constraints: Vec::new(),
-        }
-    }
-
-    #[test]
-    fn a_trade_on_held_out_data_is_called_one() {
-        for (winner, said) in [
-            ([1.0, 1.0], "The tuned parameters are better than yours on held-out data."),
-            ([1.0, 2.0], "The tuned parameters are no worse than yours on held-out data."),
-            ([2.0, 2.0], "The tuned parameters are no worse than yours on held-out data."),
-            ([2.0, 3.0], "The tuned parameters are worse than yours on held-out data."),
-            (
-                [1.0, 3.0],
-                "On held-out data the tuned parameters are better than yours under one objective and worse under another.",
-            ),
-        ] {
-            assert_eq!(on_held_out([2.0, 2.0], winner).sentence(), said, "{winner:?}");
         }
     }
 }

@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::constraint::misses;
 use super::matrices::differ_in_unit;
-use super::{Tuning, Validation, count, significant};
+use super::{StartOf, Tuning, Validation, count, significant};
 use crate::model::Problem;
 use crate::objective::{Kind, Objective};
 use crate::optimize;
@@ -19,7 +19,10 @@ pub enum Warning {
     /// The winner's first objective is not below the baseline's.
     NoGain,
     /// On held-out rows the winner is worse than the baseline.
-    WorseOnHeldOut,
+    WorseOnHeldOut {
+        /// Whose values the baseline's are.
+        than: StartOf,
+    },
     /// The winner fails on held-out rows.
     FailsOnHeldOut,
     /// On held-out rows the winner misses constraints that it meets on the training rows.
@@ -100,7 +103,7 @@ pub(super) fn mixed_units(problem: &Problem) -> Vec<Warning> {
 fn on_held_out(validation: &Validation) -> Option<Warning> {
     match (&validation.winner, validation.worse) {
         (None, _) => Some(Warning::FailsOnHeldOut),
-        (Some(_), worse) => worse.then_some(Warning::WorseOnHeldOut),
+        (Some(_), worse) => worse.then_some(Warning::WorseOnHeldOut { than: validation.start_of }),
     }
 }
 
@@ -135,9 +138,10 @@ impl fmt::Display for Warning {
             Self::NoGain => f.write_str(
                 "the tuned parameters are no better than the baseline (search longer, or with the start values in it)",
             ),
-            Self::WorseOnHeldOut => f.write_str(
-                "tuned parameters are worse than yours on held-out data (keep yours, or search fewer parameters, or on \
-                 more rows)",
+            Self::WorseOnHeldOut { than } => write!(
+                f,
+                "tuned parameters are worse than {than} on held-out data (keep {than}, or search fewer parameters, or on more \
+                 rows)"
             ),
             Self::FailsOnHeldOut => f.write_str(
                 "the filter with the tuned parameters fails on held-out data (keep yours, or narrow the bounds)",

@@ -1,5 +1,7 @@
 //! `kfgpu check`: exit codes for consistent and other filters.
 
+use serde_json::Value;
+
 use crate::command::{Folder, LEVEL, level_log};
 
 /// A folder with `right.toml`, whose starts are what `log.csv` was simulated with, and `wrong.toml` with R too small.
@@ -24,9 +26,13 @@ fn the_filter_that_drew_the_log_passes() {
     let json = folder.run(&["check", "right.toml", "--json"]).expect(0).json();
     assert_eq!(json["pass"], true, "{json}");
     let targets = json["targets"].as_array().unwrap();
-    assert_eq!(targets.len(), 2, "NIS, and one measurement: {json}");
+    assert_eq!(targets.len(), 8, "seven tests with one measurement, and bounds: {json}");
     for key in ["name", "required", "measured", "pass"] {
         assert!(targets.iter().all(|target| !target[key].is_null()), "{key}: {json}");
+    }
+    let tests = json["consistency"]["tests"].as_array().unwrap();
+    for (test, target) in tests.iter().zip(targets) {
+        assert_eq!((&test["name"], &test["pass"]), (&target["name"], &target["pass"]), "the verdict's own tests");
     }
     assert_eq!(json["consistency"]["nis_distribution"]["rows"], 401, "{json}");
     assert!(json["consistency"]["standard_errors"].is_null(), "nothing was tuned: {json}");
@@ -48,7 +54,50 @@ fn correlated_innovations_fail() {
     let folder = Folder::with_level();
     folder.write("log.csv", level_log(400));
     let json = folder.run(&["check", "problem.toml", "--json"]).expect(1).json();
-    assert_eq!(json["targets"][1]["pass"], false, "{json}");
+    assert_eq!(target(&json, "largest autocorrelation of z")["pass"], false, "{json}");
+}
+
+fn target(json: &Value, name: &str) -> Value {
+    let targets = json["targets"].as_array().unwrap();
+    targets.iter().find(|target| target["name"] == name).unwrap_or_else(|| panic!("no {name}: {json}")).clone()
+}
+
+/// One wrong value fails the filter that drew the log, and one whose noise was tuned around it.
+#[test]
+fn a_glitch_fails_and_is_named() {
+    let folder = simulated();
+    let log = folder.read("log.csv").lines().enumerate().fold(String::new(), |text, (i, line)| {
+        let (before, last) = line.rsplit_once(',').unwrap();
+        let last = if i == 200 { "300" } else { last };
+        format!("{text}{before},{last}\n")
+    });
+    folder.write("glitch.csv", log);
+    let glitch = |name: &str| folder.read(name).replace("log.csv", "glitch.csv");
+    folder.write("glitch.toml", glitch("right.toml"));
+    folder.run(&["tune", "glitch.toml", "--quiet", "--out", "tuned"]).expect(0);
+    for parameters in ["right.toml", "tuned/tuned.toml"] {
+        let finished = folder.run(&["check", "glitch.toml", "--parameters", parameters]).expect(1);
+        assert!(
+            finished.stdout.contains("outliers: line 201 (row 199, time 199) of glitch.csv alone is "),
+            "{}",
+            finished.stdout
+        );
+        let json = folder.run(&["check", "glitch.toml", "--parameters", parameters, "--json"]).expect(1).json();
+        assert_eq!(target(&json, "largest share of one row in the sum of NIS")["pass"], false, "{json}");
+        assert_eq!(json["consistency"]["dominating_rows"][0]["line"], 201, "{json}");
+    }
+}
+
+/// What a search left at a bound is not what the log asks for.
+#[test]
+fn a_parameter_at_its_bound_fails() {
+    let folder = simulated();
+    folder.write(
+        "bound.toml",
+        folder.read("right.toml").replace("r = { min = 1e-3, max = 1e2", "r = { min = 1e-3, max = 4"),
+    );
+    let json = folder.run(&["check", "bound.toml", "--json"]).expect(1).json();
+    assert_eq!(target(&json, "searched parameters at a bound")["measured"], 1.0, "{json}");
 }
 
 #[test]
@@ -60,7 +109,7 @@ fn another_log_is_checked_and_too_short_a_one_proves_nothing() {
     let finished = folder.run_with_input(&["check", "right.toml", "--data", "-", "--json"], short).expect(1);
     let json = finished.json();
     assert_eq!(json["consistency"]["verdict"], "too_few_innovations", "{json}");
-    assert!(json["targets"][1]["measured"].is_null(), "{json}");
+    assert!(target(&json, "largest autocorrelation of z")["measured"].is_null(), "{json}");
     assert!(json["consistency"]["nis_distribution"]["p_value"].is_null(), "{json}");
 }
 

@@ -62,7 +62,7 @@ fn the_report_says_what_was_held_out() {
         "training",
         "held out",
         "nats a row",
-        "on held-out data.",
+        " +- ",
         "Overfit gap",
         "Consistency (held-out rows):",
     ] {
@@ -82,12 +82,65 @@ fn worse_on_held_out_data_is_said_plainly() {
     let finished = folder.run(&["tune", "problem.toml", "--json", "--validate", "0.33"]).expect(0);
     let json = finished.json();
     assert_eq!(json["validation"]["worse"], true, "{}", json["validation"]);
+    let held_out = &json["held_out"];
+    assert_eq!((&held_out["verdict"], &held_out["objective"]), (&"worse".into(), &"nll".into()), "{held_out}");
+    let of = |part: &str| number(&json["validation"][part]["nll"]);
+    assert!((number(&held_out["difference"]) - (of("baseline") - of("winner"))).abs() < 1e-9, "{held_out}");
+    assert!(number(&held_out["difference"]) < -1.96 * number(&held_out["standard_error"]), "{held_out}");
     let sentence = "tuned parameters are worse than yours on held-out data";
     assert!(json["warnings"].to_string().contains(sentence), "{}", json["warnings"]);
     assert!(finished.stderr.contains(&format!("warning: {sentence}")), "{}", finished.stderr);
     assert!(number(&json["validation"]["overfit_gap"]["nll"]) > 0.5, "{}", json["validation"]);
     let report = folder.run(&["tune", "problem.toml", "--validate", "0.33", "--quiet"]).expect(0);
-    assert!(report.stdout.contains("The tuned parameters are worse than yours on held-out data."), "{}", report.stdout);
+    assert!(
+        report.stdout.contains("The tuned parameters are worse than yours on held-out data: `nll` by "),
+        "{}",
+        report.stdout
+    );
+}
+
+/// A start near the truth and what is tuned from it: the rows held out tell no difference, and nobody is told to keep one.
+#[test]
+fn what_held_out_rows_cannot_tell_is_said() {
+    let folder = Folder::new();
+    folder.write(
+        "problem.toml",
+        SIMULATED.replace("start = 10 }\nr", "start = 0.5 }\nr").replace("start = 10", "start = 4"),
+    );
+    folder.run(&["simulate", "problem.toml", "--out", "log.csv"]).expect(0);
+    let drawn = folder.read("problem.toml");
+    let (before, _) = drawn.split_once("[simulate]").unwrap();
+    folder.write("problem.toml", before.replace("[data]", "[data]\nfile = \"log.csv\""));
+    let finished = folder.run(&["tune", "problem.toml", "--json", "--validate", "0.4", "--out", "out"]).expect(0);
+    let json = finished.json();
+    assert_eq!(json["held_out"]["verdict"], "not-told-apart", "{}", json["held_out"]);
+    assert_eq!(json["validation"]["worse"], false);
+    assert!(!finished.stderr.contains("worse than yours"), "{}", finished.stderr);
+    let report = folder.read("out/report.md");
+    assert!(
+        report.contains("No difference between the tuned parameters and yours that the held-out rows can tell"),
+        "{report}"
+    );
+    assert!(!report.contains("Keep your own"), "{report}");
+    let table = folder.run(&["compare", "out", "out"]).expect(0).stdout;
+    assert!(table.contains("not told apart ("), "{table}");
+}
+
+/// Of a problem that `init` wrote the start is not the user's; of the tuned problem it is the winner.
+#[test]
+fn the_start_of_a_draft_is_called_drafted() {
+    let folder = Folder::with_level();
+    folder.run(&["init", "log.csv", "--out", "draft.toml"]).expect(0);
+    let tuned = |problem: &str, out: &str| {
+        let arguments = ["tune", problem, "--json", "--validate", "0.3", "--generations", "20", "--out", out];
+        (folder.run(&arguments).expect(0).json(), folder.read(&format!("{out}/report.md")))
+    };
+    let (json, report) = tuned("draft.toml", "first");
+    assert_eq!(json["start_of"], "drafted", "{json}");
+    assert!(report.contains("the drafted start") && !report.contains("yours"), "{report}");
+    let (json, report) = tuned("first/tuned.toml", "second");
+    assert_eq!(json["start_of"], "yours", "{json}");
+    assert!(!report.contains("the drafted start"), "{report}");
 }
 
 #[test]

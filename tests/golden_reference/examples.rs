@@ -83,10 +83,11 @@ fn a_wrong_start_is_told_from_wrong_noise() {
     let (problem, log) = example("rocket.toml");
     assert_eq!(log.rows(), 201, "200 steps after row 0");
     let found = consistency(&problem, &log, &[3.0]);
-    assert_eq!(found.verdict, Verdict::Overconfident, "{found}");
-    assert!(found.findings[0].advice.contains("P0 is too small for this x0"), "{found}");
+    assert_eq!((found.verdict, found.findings.len()), (Verdict::WrongStart, 1), "{found}");
+    assert!(found.findings[0].advice.contains("P0 is too small for this x0, and Q and R fit"), "{found}");
     let worse = consistency(&problem, &log, &[0.5]);
-    assert!(worse.findings[0].advice.contains("P0, Q or R is too small"), "{worse}");
+    assert_eq!(worse.verdict, Verdict::Overconfident, "{worse}");
+    assert!(worse.findings[0].advice.contains("Q or R is too small"), "{worse}");
 }
 
 /// Durbin and Koopman's conclusion on the Nile: the local level model fits.

@@ -16,3 +16,4 @@ mod smoother;
 mod support;
 mod uncertainty;
 mod values;
+mod verdicts;

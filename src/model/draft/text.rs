@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::MARK;
 use super::estimate::{Axis, Motion};
 use super::roles::Roles;
 use super::survey::{Content, Survey};
@@ -21,7 +22,7 @@ impl fmt::Display for Page<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let rows = self.survey.lines.len();
         let file = self.data.file.as_deref().unwrap_or_default();
-        writeln!(f, "# Drafted from {file:?} ({rows} rows). Columns are guessed from names and content, starts and")?;
+        writeln!(f, "{MARK}{file:?} ({rows} rows). Columns are guessed from names and content, starts and")?;
         writeln!(f, "# bounds are rough estimates from the data: check both, then run `kfgpu tune` on this file.\n")?;
         self.data_table(f)?;
         self.model_table(f)?;

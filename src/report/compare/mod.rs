@@ -12,7 +12,7 @@ use std::fmt;
 use serde::Serialize;
 
 use super::Named;
-pub use run::{Run, RunBaseline, RunConsistency, RunError, RunValidation};
+pub use run::{Run, RunBaseline, RunConsistency, RunError, RunHeldOut, RunValidation};
 
 /// Finished studies, the first of which the others are compared with.
 #[derive(Debug, Clone, Serialize)]

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::evaluate::Device;
-use crate::report::{LogFacts, Named, Part};
+use crate::report::{LogFacts, Named, Part, Standing};
 
 /// A finished study, as `tune --out` left it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -33,6 +33,9 @@ pub struct Run {
     pub baseline: RunBaseline,
     /// Scores on held-out rows.
     pub validation: Option<RunValidation>,
+    /// What they say of the winner beside the baseline; results of older versions have none.
+    #[serde(default)]
+    pub held_out: Option<RunHeldOut>,
     /// NIS and verdict.
     pub consistency: RunConsistency,
     /// The rows of those: `in_sample` or `held_out`.
@@ -79,6 +82,17 @@ pub struct RunValidation {
     pub winner: Option<Named<Option<f64>>>,
     /// Whether the winner is worse.
     pub worse: bool,
+}
+
+/// What held-out rows say of the winner beside the baseline.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RunHeldOut {
+    /// Baseline less winner under the first objective.
+    pub difference: Option<f64>,
+    /// Its standard error.
+    pub standard_error: Option<f64>,
+    /// Of all objectives together.
+    pub verdict: Standing,
 }
 
 /// The part of a verdict that a comparison needs.

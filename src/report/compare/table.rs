@@ -1,7 +1,7 @@
 //! The comparison as a table: one column a run.
 
-use super::{Comparison, Run, RunValidation};
-use crate::report::{TextTable, count, seconds, short, significant};
+use super::{Comparison, Run, RunHeldOut, RunValidation};
+use crate::report::{Standing, TextTable, count, seconds, short, significant};
 
 /// Digits of parameters and objectives.
 const DIGITS: usize = 8;
@@ -68,15 +68,30 @@ fn nis(run: &Run) -> String {
 }
 
 fn against_baseline(run: &Run) -> String {
-    match &run.validation {
-        None => "-",
-        Some(v) if v.winner.is_none() => "fails",
-        Some(v) if v.worse => "worse",
-        Some(v) if v.baseline.is_none() => "baseline fails",
-        Some(v) if is_worse_somewhere(v) => "a trade",
-        Some(_) => "no worse",
+    let told = match (&run.validation, &run.held_out) {
+        (None, _) => "-",
+        (Some(v), _) if v.winner.is_none() => "fails",
+        (Some(v), _) if v.baseline.is_none() => "baseline fails",
+        (Some(_), Some(told)) => return format!("{}{}", standing(told.verdict), by(told)),
+        (Some(v), None) if v.worse => "worse",
+        (Some(v), None) if is_worse_somewhere(v) => "a trade",
+        (Some(_), None) => "no worse",
+    };
+    told.to_owned()
+}
+
+const fn standing(standing: Standing) -> &'static str {
+    match standing {
+        Standing::Better => "better",
+        Standing::Worse => "worse",
+        Standing::NotToldApart => "not told apart",
     }
-    .to_owned()
+}
+
+/// The difference under the first objective, above 0 where the winner is better.
+fn by(told: &RunHeldOut) -> String {
+    let (Some(difference), Some(error)) = (told.difference, told.standard_error) else { return String::new() };
+    format!(" ({} +- {})", significant(difference, 3), significant(error, 3))
 }
 
 /// Whether the winner is above the baseline under some objective.

@@ -15,9 +15,19 @@ pub(in crate::report) struct Band {
 impl Band {
     /// Of a sum with `degrees` degrees of freedom.
     pub(in crate::report) fn of(sum: f64, degrees: f64) -> Self {
-        let quantile = |p| ChiSquared::new(degrees).map_or(f64::NAN, |chi2| chi2.inverse_cdf(p) / degrees);
-        Self { mean: sum / degrees, low: quantile(0.025), high: quantile(0.975) }
+        Self::outside(sum, degrees, 0.05)
     }
+
+    /// The band that all but a share of `level` of right filters are in.
+    pub(super) fn outside(sum: f64, degrees: f64, level: f64) -> Self {
+        let quantile = |p| ChiSquared::new(degrees).map_or(f64::NAN, |chi2| chi2.inverse_cdf(p) / degrees);
+        Self { mean: sum / degrees, low: quantile(level / 2.0), high: quantile(1.0 - level / 2.0) }
+    }
+}
+
+/// Probability of a sum with `degrees` degrees of freedom as far out as this one on either side; NaN without data.
+pub(super) fn two_sided(sum: f64, degrees: f64) -> f64 {
+    ChiSquared::new(degrees).map_or(f64::NAN, |chi2| (2.0 * chi2.cdf(sum).min(chi2.sf(sum))).min(1.0))
 }
 
 /// Probability that chi-square with `degrees` degrees of freedom exceeds `value`.
@@ -43,5 +53,8 @@ mod tests {
         }
         assert!((exceedance(31.410_433, 20.0) - 0.05).abs() < 1e-8, "the 95 % quantile of 20 degrees");
         assert!(Band::of(0.0, 0.0).low.is_nan(), "no data, no band");
+        assert!((two_sided(129.561_200, 100.0) - 0.05).abs() < 1e-6, "the upper end of the band of 100 degrees");
+        assert!((two_sided(74.221_930, 100.0) - 0.05).abs() < 1e-6, "the lower one");
+        assert!(two_sided(0.0, 0.0).is_nan() && two_sided(f64::INFINITY, 3.0) < 1e-300, "nothing, and all too much");
     }
 }

@@ -4,7 +4,9 @@ use serde::Serialize;
 use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF};
 
 use super::band::exceedance;
+use super::evidence::RowNis;
 use super::whiteness::number;
+use super::{Test, TestKind};
 
 /// Bins of the probability integral transform.
 const BINS: usize = 10;
@@ -13,6 +15,10 @@ const ROWS: usize = 5 * BINS;
 /// Share of rows above the 99 % quantile from which tails count as heavy, if it is significant too: twice what there
 /// should be. Farther in, outliers leave hardly a trace once the tuned noise has grown with them.
 const HEAVY: f64 = 0.02;
+/// Share of rows above the 95 % quantile up to which tails count as light: half of what there should be.
+const LIGHT: f64 = 0.025;
+/// Distance of two distribution functions from which it matters: a band meant for half of the rows holds 45 or 55 %.
+const PRACTICAL: f64 = 0.05;
 
 /// The NIS of single rows against the chi-square distribution of their own number of components.
 ///
@@ -32,6 +38,9 @@ pub struct NisDistribution {
     pub above_99: f64,
     /// Upper end of its band.
     pub above_99_high: f64,
+    /// Probability of shares as far out if the filter is right, by the binomial distribution: twice the smaller of that
+    /// of `above_95`, on both sides, and that of `above_99`, above.
+    pub tails_p_value: f64,
     /// Rows by u, in ten bins of equal width from 0 to 1.
     pub histogram: Vec<usize>,
     /// Probability of a less even histogram if the filter is right (Pearson's chi-square test with 9 degrees of
@@ -40,10 +49,46 @@ pub struct NisDistribution {
 }
 
 impl NisDistribution {
+    /// Of measured rows with up to `measurements` components; `None` without rows.
+    pub(super) fn of(rows: &[&RowNis], measurements: usize) -> Option<Self> {
+        let mut counts = Counts::new(measurements);
+        rows.iter().for_each(|row| counts.add(row.nis, row.components as usize));
+        counts.judge()
+    }
+
     /// Whether large NIS is clearly more frequent than it should be.
     #[must_use]
     pub fn has_heavy_tails(&self) -> bool {
-        self.above_99 > self.above_99_high && self.above_99 >= HEAVY
+        self.tails_p_value < TestKind::Tails.level() && self.above_99 >= HEAVY
+    }
+
+    /// Whether it is clearly less frequent.
+    #[must_use]
+    pub fn has_light_tails(&self) -> bool {
+        self.tails_p_value < TestKind::Tails.level() && self.above_95 <= LIGHT
+    }
+
+    /// The largest distance of the distribution of u from the even one, at the ends of the bins.
+    #[must_use]
+    pub fn distance(&self) -> f64 {
+        let mut below = 0;
+        let distance = |(i, count): (usize, &usize)| {
+            below += count;
+            (number(below) / number(self.rows) - number(i + 1) / number(BINS)).abs()
+        };
+        self.histogram.iter().enumerate().map(distance).fold(0.0, f64::max)
+    }
+
+    /// Of the tails, and of the distribution where there are rows enough.
+    pub(super) fn tests(&self) -> impl Iterator<Item = Test> {
+        let matters = self.above_99 >= HEAVY || self.above_95 <= LIGHT;
+        let limit = "above 0.025, with less than 0.02 above the 99 % one";
+        let tails = ("share of rows above the 95 % quantile of NIS", self.above_95);
+        let tails = Test::of(TestKind::Tails, tails, self.tails_p_value, (matters, limit));
+        let even = ("distance of NIS from its chi-square distribution", self.distance());
+        let even =
+            Test::of(TestKind::NisDistribution, even, self.p_value, (self.distance() >= PRACTICAL, "below 0.05"));
+        [Some(tails), self.p_value.is_finite().then_some(even)].into_iter().flatten()
     }
 }
 
@@ -87,11 +132,12 @@ impl Counts {
         if self.rows == 0 {
             return None;
         }
-        let band = |share: f64| {
-            let binomial = Binomial::new(share, self.rows as u64).ok()?;
-            Some([0.025, 0.975].map(|p| binomial.inverse_cdf(p) as f64 / rows))
-        };
-        let ([above_95_low, above_95_high], [_, above_99_high]) = (band(0.05)?, band(0.01)?);
+        let [of_95, of_99] = [0.05, 0.01].map(|share| Binomial::new(share, self.rows as u64));
+        let (of_95, of_99) = (of_95.ok()?, of_99.ok()?);
+        let band = |binomial: &Binomial| [0.025, 0.975].map(|p| binomial.inverse_cdf(p) as f64 / rows);
+        let ([above_95_low, above_95_high], [_, above_99_high]) = (band(&of_95), band(&of_99));
+        let upper = at_least(&of_99, self.above_99);
+        let both = 2.0 * of_95.cdf(self.above_95 as u64).min(at_least(&of_95, self.above_95));
         let expected = rows / number(BINS);
         let pearson: f64 = self.bins.iter().map(|count| (number(*count) - expected).powi(2) / expected).sum();
         Some(NisDistribution {
@@ -101,10 +147,16 @@ impl Counts {
             above_95_high,
             above_99: number(self.above_99) / rows,
             above_99_high,
+            tails_p_value: (2.0 * both.min(upper)).min(1.0),
             histogram: self.bins.to_vec(),
             p_value: if self.rows < ROWS { f64::NAN } else { exceedance(pearson, number(BINS - 1)) },
         })
     }
+}
+
+/// Probability of so many or more.
+fn at_least(binomial: &Binomial, count: usize) -> f64 {
+    count.checked_sub(1).map_or(1.0, |below| binomial.sf(below as u64))
 }
 
 #[cfg(test)]

@@ -1,9 +1,8 @@
 //! What a run says about its filter, collected row by row so that no run needs to be kept.
 
 use super::band::Band;
-use super::distribution::Counts;
 use super::whiteness::{Whiteness, normalised, number};
-use super::{Consistency, Nees, Uncertainty, Verdict, verdict};
+use super::{Consistency, Nees, NisDistribution, NisOverTime, Uncertainty, Verdict, dominating, findings, mean};
 use crate::data::Log;
 use crate::model::Problem;
 use crate::reference::Step;
@@ -11,51 +10,69 @@ use crate::reference::Step;
 /// Measured rows of each trajectory after which P0 and x0 are taken to be forgotten.
 pub(super) const SETTLING: usize = 20;
 
-/// The evidence of a run so far. Beyond sums it holds the normalised innovations, one number per measured component.
+/// The evidence of a run so far. It holds the NIS of each measured row and the normalised innovations, one number per
+/// measured component.
 #[derive(Debug, Clone)]
-pub struct Evidence {
+pub struct Evidence<'a> {
+    log: &'a Log,
     /// Number of states.
     states: usize,
-    measurements: Vec<String>,
-    nis: Sum,
-    /// NIS without the first [`SETTLING`] measured rows of each trajectory.
-    settled: Sum,
+    rows: Vec<RowNis>,
     nees: Sum,
-    /// NIS of single rows.
-    distribution: Counts,
     /// Measured rows of each trajectory.
     measured: Vec<usize>,
     /// Normalised innovations by measurement and trajectory.
     series: Vec<Vec<Vec<f64>>>,
+    /// How many of them are of the first [`SETTLING`] measured rows.
+    unsettled: Vec<Vec<usize>>,
 }
 
-#[derive(Debug, Clone, Copy, Default)]
-struct Sum {
-    total: f64,
-    count: usize,
+/// The NIS of one measured row.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RowNis {
+    pub(super) trajectory: usize,
+    pub(super) row: usize,
+    pub(super) nis: f64,
+    /// Number of present components.
+    pub(super) components: u32,
+    /// Whether it is one of the first [`SETTLING`] measured rows of its trajectory.
+    pub(super) first: bool,
+}
+
+/// A sum with the number of degrees of freedom that it has.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Sum {
+    pub(super) total: f64,
+    pub(super) count: usize,
 }
 
 impl Sum {
-    fn add(&mut self, value: f64, count: usize) {
-        self.total += value;
-        self.count += count;
+    /// Of the NIS of these rows.
+    pub(super) fn of<'a>(rows: impl IntoIterator<Item = &'a RowNis>) -> Self {
+        let add =
+            |sum: Self, row: &RowNis| Self { total: sum.total + row.nis, count: sum.count + row.components as usize };
+        rows.into_iter().fold(Self::default(), add)
+    }
+
+    /// A mean per degree of freedom; NaN without any.
+    pub(super) fn mean(self) -> f64 {
+        self.total / number(self.count)
     }
 }
 
-impl Evidence {
+impl<'a> Evidence<'a> {
     /// None yet, for a run of `problem` over `log`.
     #[must_use]
-    pub fn new(problem: &Problem, log: &Log) -> Self {
-        let trajectories = log.trajectories.len();
+    pub fn new(problem: &Problem, log: &'a Log) -> Self {
+        let (measurements, trajectories) = (log.measurements.len(), log.trajectories.len());
         Self {
+            log,
             states: problem.model.states.len(),
-            measurements: log.measurements.clone(),
-            nis: Sum::default(),
-            settled: Sum::default(),
+            rows: Vec::new(),
             nees: Sum::default(),
-            distribution: Counts::new(log.measurements.len()),
             measured: vec![0; trajectories],
-            series: vec![vec![Vec::new(); trajectories]; log.measurements.len()],
+            series: vec![vec![Vec::new(); trajectories]; measurements],
+            unsettled: vec![vec![0; trajectories]; measurements],
         }
     }
 
@@ -65,17 +82,16 @@ impl Evidence {
     /// If the log has no such trajectory.
     pub fn add(&mut self, trajectory: usize, step: &Step) {
         if let Some(nees) = step.nees {
-            self.nees.add(nees, 1);
+            self.nees = Sum { total: self.nees.total + nees, count: self.nees.count + 1 };
         }
         let Some(update) = &step.update else { return };
-        self.nis.add(update.nis, update.present.len());
-        self.distribution.add(update.nis, update.present.len());
         self.measured[trajectory] += 1;
-        if self.measured[trajectory] > SETTLING {
-            self.settled.add(update.nis, update.present.len());
-        }
+        let first = self.measured[trajectory] <= SETTLING;
+        let components = u32::try_from(update.present.len()).unwrap_or(u32::MAX);
+        self.rows.push(RowNis { trajectory, row: step.row, nis: update.nis, components, first });
         for (&i, value) in update.present.iter().zip(normalised(update)) {
             self.series[i][trajectory].push(value);
+            self.unsettled[i][trajectory] += usize::from(first);
         }
     }
 
@@ -93,28 +109,66 @@ impl Evidence {
         self.measured.iter().sum()
     }
 
-    /// The judgement on the whole run of `candidate`.
+    /// The judgement on the whole run of `candidate`. Where the first rows are to blame, all else is judged on the rows
+    /// after them; since the filter is accused then anyway, this second look costs no false alarm.
     #[must_use]
     pub fn judge(&self, problem: &Problem, candidate: &[f64]) -> Consistency {
-        let nis = Band::of(self.nis.total, number(self.nis.count));
+        let (first, settled): (Vec<&RowNis>, Vec<&RowNis>) = self.rows.iter().partition(|row| row.first);
+        let (first, settled_sum) = (Sum::of(first), Sum::of(settled.iter().copied()));
+        let start = mean::start_test(first, settled_sum);
+        let start_is_wrong = start.as_ref().is_some_and(|test| !test.pass);
+        let judged = if start_is_wrong { settled } else { self.rows.iter().collect() };
+        let all = Sum::of(&self.rows);
+        let nis = Band::of(all.total, number(all.count));
+        let (dominating_rows, dominating) = dominating::rows(self.log, &judged);
+        let whiteness = Whiteness::of(&self.log.measurements, &self.judged_series(start_is_wrong));
+        let nis_distribution = NisDistribution::of(&judged, self.log.measurements.len());
+        let nis_over_time = NisOverTime::of(self.log, &judged);
+        let tests = [
+            start,
+            mean::test(Sum::of(judged.iter().copied())),
+            nis_over_time.as_ref().map(NisOverTime::test),
+            dominating,
+        ]
+        .into_iter()
+        .flatten()
+        .chain(nis_distribution.iter().flat_map(NisDistribution::tests))
+        .chain(Whiteness::tests(&whiteness, self.log.measurements.len()));
         let mut consistency = Consistency {
             nis_mean: nis.mean,
             nis_low: nis.low,
             nis_high: nis.high,
-            nis_settled: self.settled.total / number(self.settled.count),
-            components: self.nis.count,
+            nis_first: first.mean(),
+            nis_settled: settled_sum.mean(),
+            components: all.count,
+            judged_after: if start_is_wrong { SETTLING } else { 0 },
             verdict: Verdict::NothingMeasured,
             findings: Vec::new(),
-            whiteness: Whiteness::of(&self.measurements, &self.series),
+            tests: tests.collect(),
+            nis_distribution,
+            nis_over_time,
+            dominating_rows,
+            whiteness,
             nees: self.nees(),
-            nis_distribution: self.distribution.judge(),
             uncertainty: Uncertainty::default(),
         };
-        consistency.findings = verdict::findings(&consistency, &problem.parameters, candidate);
+        consistency.findings = findings::of(&consistency, &self.log.source, &problem.parameters, candidate);
         if let Some(headline) = consistency.findings.first() {
             consistency.verdict = headline.verdict;
         }
         consistency
+    }
+
+    /// The normalised innovations, of settled rows alone or of all.
+    fn judged_series(&self, settled: bool) -> Vec<Vec<&[f64]>> {
+        self.series
+            .iter()
+            .zip(&self.unsettled)
+            .map(|(all, unsettled)| {
+                let judged = all.iter().zip(unsettled);
+                judged.map(|(series, first)| &series[if settled { *first } else { 0 }..]).collect()
+            })
+            .collect()
     }
 
     fn nees(&self) -> Option<Nees> {

@@ -3,7 +3,8 @@
 use nalgebra::Cholesky;
 use serde::Serialize;
 
-use super::band::exceedance;
+use super::portmanteau::Portmanteau;
+use super::{Test, TestKind};
 use crate::reference::Update;
 
 /// Most lags tested.
@@ -30,27 +31,33 @@ pub struct Whiteness {
     pub band: f64,
     /// Ljung-Box statistic over those lags (doi:10.1093/biomet/65.2.297).
     pub ljung_box: f64,
-    /// Probability of a larger one if the innovations are white; NaN when there is no lag to test.
+    /// Probability of a larger one if the innovations are white; NaN when there is no lag to test. It is of the statistic's
+    /// exact mean and variance, by an F distribution that has both: chi-square itself has too short a tail on short logs.
     pub p_value: f64,
     /// Whether they count as correlated: p below 0.01 / m, **and** an autocorrelation of at least 0.1 in magnitude.
     pub correlated: bool,
 }
 
 impl Whiteness {
-    /// Share of white logs that the test may call correlated, over all measurements together. It is one in a hundred, for
-    /// the verdict has other tests beside it: the band of NIS alone accuses one right filter in twenty, and all of them
-    /// together should accuse fewer than one in ten (`right_filters_are_seldom_accused`).
-    pub const SIGNIFICANCE: f64 = 0.01;
-
     /// One entry per measurement that has any value; `series` is by measurement and trajectory.
-    pub(super) fn of(measurements: &[String], series: &[Vec<Vec<f64>>]) -> Vec<Self> {
+    pub(super) fn of(measurements: &[String], series: &[Vec<&[f64]>]) -> Vec<Self> {
         let named = measurements.iter().zip(series);
         named.filter_map(|(name, series)| Self::of_series(name, series, measurements.len())).collect()
     }
 
-    fn of_series(name: &str, series: &[Vec<f64>], tests: usize) -> Option<Self> {
-        let n: usize = series.iter().map(Vec::len).sum();
-        let power: f64 = series.iter().flatten().map(|v| v * v).sum();
+    /// One test per measurement that has a lag; the log has `measurements` of them, which share the level.
+    pub(super) fn tests(all: &[Self], measurements: usize) -> impl Iterator<Item = Test> {
+        all.iter().filter(|w| w.is_tested()).map(move |w| {
+            let name = format!("largest autocorrelation of {}", w.measurement);
+            let measured = (name.as_str(), w.largest());
+            let matters = (w.largest() >= PRACTICAL, "below 0.1");
+            Test::among(number(measurements), TestKind::Whiteness, measured, w.p_value, matters)
+        })
+    }
+
+    fn of_series(name: &str, series: &[&[f64]], tests: usize) -> Option<Self> {
+        let n: usize = series.iter().map(|s| s.len()).sum();
+        let power: f64 = series.iter().copied().flatten().map(|v| v * v).sum();
         if n == 0 {
             return None;
         }
@@ -67,11 +74,18 @@ impl Whiteness {
             ljung_box += available * (count + 2.0) / count * r * r;
             autocorrelation.push(r);
         }
-        let p_value = exceedance(ljung_box, number(autocorrelation.len()));
-        let largest = autocorrelation.iter().fold(0.0f64, |max, r| max.max(r.abs()));
-        let correlated = p_value < Self::SIGNIFICANCE / number(tests) && largest >= PRACTICAL;
+        let p_value = Portmanteau::of(series, autocorrelation.len()).exceedance(ljung_box);
         let band = 1.96 / count.sqrt();
-        Some(Self { measurement: name.into(), count: n, autocorrelation, band, ljung_box, p_value, correlated })
+        let white =
+            Self { measurement: name.into(), count: n, autocorrelation, band, ljung_box, p_value, correlated: false };
+        let correlated = p_value < TestKind::Whiteness.level() / number(tests) && white.largest() >= PRACTICAL;
+        Some(Self { correlated, ..white })
+    }
+
+    /// The largest autocorrelation in magnitude; 0 when there are too few values.
+    #[must_use]
+    pub fn largest(&self) -> f64 {
+        self.autocorrelation.iter().fold(0.0, |max, r| max.max(r.abs()))
     }
 
     /// Whether there were values enough for at least one lag.
@@ -125,7 +139,8 @@ mod tests {
     }
 
     fn whiteness(series: &[Vec<f64>]) -> Whiteness {
-        Whiteness::of_series("z", series, 1).expect("there are values")
+        let series: Vec<&[f64]> = series.iter().map(Vec::as_slice).collect();
+        Whiteness::of_series("z", &series, 1).expect("there are values")
     }
 
     /// By hand: 1, 2, 2, -1, 1, ... repeated, lag 1, against the textbook formula N (N + 2) r^2 / (N - 1).

@@ -3,7 +3,7 @@
 use super::plain;
 use crate::report::validation::improvement_text;
 use crate::report::warnings::missed_on_held_out;
-use crate::report::{ConstraintCheck, Named, Rows, Tuning, Validation, Verdict, short, significant};
+use crate::report::{ConstraintCheck, Named, Rows, Standing, Tuning, Validation, Verdict, Warning, short, significant};
 use crate::words::counted;
 
 /// What was done, what came of it, and whether to use it.
@@ -21,38 +21,34 @@ pub(super) fn of(tuning: &Tuning) -> Option<String> {
 /// One sentence on what to do, the gravest reason first.
 fn recommendation(tuning: &Tuning) -> String {
     let validated = tuning.validation.as_ref();
+    let keep = tuning.start_of.keep();
     if validated.is_some_and(|v| v.winner.is_none()) {
         "Do not use the tuned parameters: the filter fails on data that it was not tuned on.".to_owned()
     } else if !tuning.feasible {
         "Do not use the tuned parameters as they are: no candidate meets every constraint.".to_owned()
-    } else if validated.is_some_and(|v| v.worse) {
-        "Keep your own parameters: the tuned ones are worse than yours on held-out data.".to_owned()
+    } else if let Some(worse) = validated.filter(|v| v.worse) {
+        let by = worse.difference.amounts(Standing::Worse);
+        format!("{keep}: the tuned ones are worse than {} on held-out data: {by}.", tuning.start_of)
     } else if missed_on_held_out(tuning).is_some() {
         "Check before use: on held-out data the tuned filter misses a constraint that it meets on the rows tuned on."
             .to_owned()
     } else if let Some(standing) = standing(tuning) {
         with_gain(tuning, &standing)
     } else {
-        "Keep your own parameters: the search found none that are better.".to_owned()
+        format!("{keep}: the search found none that are better.")
     }
 }
 
 /// Of a winner that gains on the baseline, and how: what the certificate, the consistency and the held-out rows add.
 fn with_gain(tuning: &Tuning, standing: &str) -> String {
     if !tuning.certificate.order_held {
-        "Check before use: double and single precision rank the best candidates differently.".to_owned()
+        let precision = tuning.effort.device.precision.clone();
+        format!("Check before use: {}.", Warning::OrderChanged { precision })
     } else if !tuning.consistency.is_consistent() {
         let headline = tuning.consistency.verdict;
         format!("The tuned parameters {standing}, but the filter is not yet right: {headline}.")
-    } else if tuning.validation.as_ref().is_some_and(Validation::is_trade) {
-        format!(
-            "The tuned parameters {standing}, held-out data show a trade too, and the filter is consistent there: use them if \
-             the trade is what you want."
-        )
-    } else if tuning.validation.is_some() {
-        "Use the tuned parameters: they are no worse than yours on data they were not tuned on, and the filter is \
-         consistent there."
-            .to_owned()
+    } else if let Some(validation) = &tuning.validation {
+        on_held_out(validation, standing)
     } else {
         format!(
             "The tuned parameters {standing} and the filter is consistent; both were judged on the rows that were tuned on \
@@ -61,11 +57,38 @@ fn with_gain(tuning: &Tuning, standing: &str) -> String {
     }
 }
 
+/// Of a winner that gains, is consistent on held-out rows and not worse there.
+fn on_held_out(validation: &Validation, standing: &str) -> String {
+    let (difference, than) = (&validation.difference, validation.start_of);
+    if difference.is_trade() {
+        format!(
+            "The tuned parameters {standing}, held-out data show a trade too, and the filter is consistent there: use them if \
+             the trade is what you want."
+        )
+    } else if difference.verdict == Standing::Better {
+        let by = difference.amounts(Standing::Better);
+        let by = if by.is_empty() { String::new() } else { format!(" ({by})") };
+        format!(
+            "Use the tuned parameters: they are better than {than} on data they were not tuned on{by}, and the filter is \
+             consistent there."
+        )
+    } else {
+        format!(
+            "The tuned parameters {standing} on the rows tuned on, and the filter is consistent on data they were not tuned on, \
+             which tell no difference from {than} ({}): they may be used.",
+            difference.untold()
+        )
+    }
+}
+
 /// In what the winner gains on the baseline, as a predicate of "the tuned parameters"; `None` where it is in nothing.
 fn standing(tuning: &Tuning) -> Option<String> {
-    let Some(baseline) = &tuning.effort.baseline.objectives else { return Some("run, where yours fail".to_owned()) };
+    let Some(baseline) = &tuning.effort.baseline.objectives else {
+        return Some(format!("run, where {} {}", tuning.start_of, tuning.start_of.verb("fail", "fails")));
+    };
     if !tuning.constraints.iter().all(ConstraintCheck::met_by_baseline) {
-        return Some("meet every constraint, which yours do not".to_owned());
+        let (start, does) = (tuning.start_of, tuning.start_of.verb("do", "does"));
+        return Some(format!("meet every constraint, which {start} {does} not"));
     }
     let where_less = |a: &Named<f64>, b: &Named<f64>| {
         let less = a.iter().filter(|(name, value)| b.get(name).is_none_or(|other| *value < other));
@@ -74,8 +97,8 @@ fn standing(tuning: &Tuning) -> Option<String> {
     let (better, worse) = (where_less(&tuning.objectives, baseline), where_less(baseline, &tuning.objectives));
     match (better.as_str(), worse.as_str()) {
         ("", _) => None,
-        (_, "") => Some("are better than yours".to_owned()),
-        _ => Some(format!("are better than yours under {better} and worse under {worse}")),
+        (_, "") => Some(format!("are better than {}", tuning.start_of)),
+        _ => Some(format!("are better than {} under {better} and worse under {worse}", tuning.start_of)),
     }
 }
 
@@ -140,6 +163,14 @@ fn consistency(tuning: &Tuning) -> String {
         Verdict::InnovationsCorrelated => {
             "each error tells something of the next, which a filter with the right model would have used"
         }
+        Verdict::Outliers => "a few rows are far out and decide what was tuned",
+        Verdict::WrongStart => {
+            "the errors of the first rows are not what the filter says they are, those of later ones are"
+        }
+        Verdict::ChangesWithTime => "the errors are larger at some times than at others, and the filter does not know",
+        Verdict::HeavyTails => "large errors are more frequent than the filter says",
+        Verdict::LightTails => "large errors are rarer than the filter says, though the mean is right",
+        Verdict::WrongDistribution => "the errors are not normal",
         Verdict::ParameterAtBound => "a parameter stopped where its bound is, not where it is best",
         Verdict::TooFewInnovations => "the log is too short to tell",
         _ => "see the section on consistency",

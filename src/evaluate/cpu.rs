@@ -10,6 +10,9 @@ use crate::tape::lanes::run_one;
 use rayon::prelude::*;
 use std::num::NonZero;
 
+/// Candidates of the narrowest block.
+const NARROWEST: usize = 8;
+
 /// How the CPU evaluator runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CpuOptions {
@@ -126,14 +129,18 @@ impl CpuEvaluator {
         }
     }
 
-    /// Candidates a task: whole blocks, so many that a task takes about a millisecond.
-    fn task(&self) -> usize {
+    /// Candidates a task, of `population`: whole blocks, so many that a task takes about a millisecond. Of a population
+    /// that is no more than a block a thread the blocks are narrower, where the log is so long that threads pay.
+    fn task(&self, population: usize) -> usize {
         /// Lane operations a core does in about a millisecond.
         const OPERATIONS: usize = 4_000_000;
         let program = self.program();
-        let rows: usize = program.spans.iter().map(|s| s.rows.len()).sum();
-        let block = rows * program.step.operations.len() * self.widest();
-        OPERATIONS.div_ceil(block.max(1)) * self.widest()
+        let candidate = program.rows() * program.step.operations.len();
+        let narrow = population.div_ceil(self.threads).next_multiple_of(NARROWEST);
+        if narrow < self.widest() && candidate * narrow >= OPERATIONS / 4 {
+            return narrow;
+        }
+        OPERATIONS.div_ceil((candidate * self.widest()).max(1)) * self.widest()
     }
 
     /// Scores and status of some candidates (row-major).
@@ -177,7 +184,7 @@ impl Evaluator for CpuEvaluator {
 
     fn evaluate(&mut self, population: &Population) -> Evaluation {
         let values = population.values();
-        let task = self.task();
+        let task = self.task(population.len());
         let parts = if self.threads == 1 || population.len() <= task {
             vec![self.score(values)]
         } else {
@@ -196,6 +203,10 @@ impl Evaluator for CpuEvaluator {
             adapter: format!("{}, {} threads", instruction_set(), self.threads),
             precision: precision.to_string(),
         }
+    }
+
+    fn rows(&self) -> usize {
+        self.program().rows()
     }
 }
 

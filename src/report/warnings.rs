@@ -6,9 +6,8 @@ use super::constraint::misses;
 use super::{Tuning, Validation, count, significant};
 use crate::optimize;
 
-/// Relative difference between search and reference above which single precision is worth a warning: ten times what is
-/// promised of it.
-const LARGE_GAP: f64 = 1e-4;
+/// Difference between search and reference that is worth a warning, in units of what is promised of single precision.
+const LARGE_GAP: f64 = 10.0;
 
 /// A reason to look twice, with what to do about it.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,6 +36,11 @@ pub enum Warning {
         failed: u64,
         /// Of how many.
         evaluations: u64,
+    },
+    /// The winner is not known to be an optimum, or is known not to be one.
+    NotConverged {
+        /// Why.
+        note: String,
     },
     /// Reference and search rank the best candidates differently.
     OrderChanged {
@@ -67,13 +71,19 @@ impl Warning {
             one_objective(tuning),
             tuning.front.as_ref().filter(|front| front.len() == 1).map(|_| Self::OneMember),
             (failed > 0).then_some(Self::Failures { failed, evaluations }),
+            not_converged(tuning),
             (!certificate.order_held).then(|| Self::OrderChanged { precision: precision.clone() }),
-            (gap > LARGE_GAP).then(|| Self::LargeGap { gap, precision: precision.clone() }),
+            (certificate.largest_gap > LARGE_GAP).then(|| Self::LargeGap { gap, precision: precision.clone() }),
         ]
         .into_iter()
         .flatten()
         .collect()
     }
+}
+
+fn not_converged(tuning: &Tuning) -> Option<Warning> {
+    let polish = tuning.polish.as_ref().filter(|_| tuning.converged == Some(false))?;
+    Some(Warning::NotConverged { note: polish.note.clone().unwrap_or_default() })
 }
 
 fn on_held_out(validation: &Validation) -> Option<Warning> {
@@ -141,6 +151,9 @@ impl fmt::Display for Warning {
                 count(*failed),
                 count(*evaluations)
             ),
+            Self::NotConverged { note } => {
+                write!(f, "the tuned parameters are no optimum yet: {note} (tune from tuned.toml, or search longer)")
+            }
             Self::OrderChanged { precision } => write!(
                 f,
                 "the f64 reference ranks the best candidates differently from the {precision} search ({})",

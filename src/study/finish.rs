@@ -43,7 +43,8 @@ pub(super) struct Verdict {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bounds<'a> {
     pub(super) objectives: usize,
-    kinds: &'a [Objective],
+    /// What they are; `nll` where there are fewer.
+    pub(super) kinds: &'a [Objective],
     pub(super) constraints: &'a [Constraint],
     pub(super) rows: usize,
 }

@@ -30,7 +30,9 @@ impl Kind {
             (Precision::F64, _) => 1e-10 * value.abs().max(1.0),
             (Precision::F32, Self::Mismatch) => 1e-3,
             (Precision::F32, Self::Nis | Self::Nees | Self::NisMean | Self::NeesMean) => 1e-4 * (1.0 + value.abs()),
-            (Precision::F32, Self::Nll | Self::MseInnovation | Self::Rmse | Self::Distance) => 1e-5 * self.scale(value, rows),
+            (Precision::F32, Self::Nll | Self::MseInnovation | Self::Rmse | Self::Distance) => {
+                1e-5 * self.scale(value, rows)
+            }
         }
     }
 
@@ -51,7 +53,9 @@ impl Kind {
             Self::MseInnovation => 2.0 * row,
             Self::Rmse | Self::Distance => row,
             // A mean NIS has a variance of 2 / N; this is a standard error of it.
-            Self::Mismatch | Self::Nis | Self::Nees | Self::NisMean | Self::NeesMean => (2.0 / rows.max(1) as f64).sqrt(),
+            Self::Mismatch | Self::Nis | Self::Nees | Self::NisMean | Self::NeesMean => {
+                (2.0 / rows.max(1) as f64).sqrt()
+            }
         }
     }
 }

@@ -166,11 +166,15 @@ impl Tuning {
             line += &format!(", and gave the front {}.", counted(polish.members, "member"));
             return Some(line);
         }
-        let norm = self.gradient_norm.map(|norm| format!("{} standard errors from the optimum by its gradient", short(norm, 2)));
+        let norm = self
+            .gradient_norm
+            .map(|norm| format!("{} standard errors from the optimum by its gradient", short(norm, 2)));
         line += &match (self.converged, norm, &polish.note) {
             (Some(true), Some(norm), _) => format!("; converged, {norm}."),
             (Some(true), None, _) => "; converged.".to_owned(),
-            (_, _, Some(note)) => format!("; {}: {note}.", if self.converged.is_some() { "not converged" } else { "convergence unknown" }),
+            (_, _, Some(note)) => {
+                format!("; {}: {note}.", if self.converged.is_some() { "not converged" } else { "convergence unknown" })
+            }
             _ => ".".to_owned(),
         };
         Some(line)

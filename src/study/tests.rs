@@ -205,7 +205,10 @@ fn polish_keeps_to_the_time_and_to_an_interrupt() {
     let outcome = run(&Study { parameters: &parameters, tune: &spec }, &mut mock, judge, &mut [], &flag);
     let outcome = outcome.expect("an outcome");
     let polish = winner(&outcome).polish.as_ref().expect("a polish");
-    assert_eq!((outcome.stop, polish.ended, polish.converged), (StopReason::Interrupted, Ended::Interrupted, Some(false)));
+    assert_eq!(
+        (outcome.stop, polish.ended, polish.converged),
+        (StopReason::Interrupted, Ended::Interrupted, Some(false))
+    );
     assert_eq!(mock.candidates, outcome.evaluations, "nothing was scored after it");
 }
 

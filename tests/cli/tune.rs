@@ -274,7 +274,9 @@ fn undetermined_parameters_stay_at_their_start() {
     assert_eq!(json["polish"]["left_at_start"], serde_json::json!(["bias", "r2"]));
     assert_eq!(json["converged"], true, "{json}");
     let report = folder.run(&["tune", "problem.toml", "--validate", "0.3"]).expect(0).stdout;
-    for part in ["undetermined, left at its start", "bias is not determined by this log", "r2 is not determined by this log"] {
+    for part in
+        ["undetermined, left at its start", "bias is not determined by this log", "r2 is not determined by this log"]
+    {
         assert!(report.contains(part), "{part}: {report}");
     }
 }

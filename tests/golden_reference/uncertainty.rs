@@ -177,12 +177,16 @@ fn a_long_log_has_standard_errors() {
     };
     let points = 20_000;
     let information = (0..points).map(|i| std::f64::consts::PI * (f64::from(i) + 0.5) / f64::from(points)).map(slopes);
-    let information: Matrix2<f64> = information.map(|s| s * s.transpose()).sum::<Matrix2<f64>>() * (0.5 * ROWS / f64::from(points));
+    let information: Matrix2<f64> =
+        information.map(|s| s * s.transpose()).sum::<Matrix2<f64>>() * (0.5 * ROWS / f64::from(points));
     let covariance = information.try_inverse().expect("information");
     for (i, name) in ["q", "r"].into_iter().enumerate() {
         let expected = winner.candidate[i] * covariance[(i, i)].sqrt();
         let relative = (error(&found, name) / expected - 1.0).abs();
-        println!("{name} = {:.5}: standard error {expected:.3e}, off by {relative:.1e} (relative)", winner.candidate[i]);
+        println!(
+            "{name} = {:.5}: standard error {expected:.3e}, off by {relative:.1e} (relative)",
+            winner.candidate[i]
+        );
         assert!(relative < 0.02, "{name}: {} instead of {expected}", error(&found, name));
     }
     assert_eq!(found.flat_directions.as_deref(), Some(&[][..]), "both are determined");

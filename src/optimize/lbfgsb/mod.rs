@@ -269,7 +269,8 @@ impl Lbfgsb {
         let better = best.filter(|best| {
             let x = self.batch.row(near.len() + best);
             // A length whose slope is not here yet must be worth a batch.
-            self.suffices(x, others[*best]) && others[*best] < near[0] - 0.5 * (self.at.cost - near[0]).max(self.noise())
+            self.suffices(x, others[*best])
+                && others[*best] < near[0] - 0.5 * (self.at.cost - near[0]).max(self.noise())
         });
         if let Some(best) = better {
             let x = self.batch.row(near.len() + best).to_vec();

@@ -37,7 +37,8 @@ impl Lbfgsb {
             let at_bound = x == self.space.lower[*d] || x == self.space.upper[*d];
             let gain = self.at.cost - costs[i];
             let worth = if at_bound { 0.0 } else { GOAL * self.options.nat };
-            if usable(costs[i]) && gain > worth.max(4.0 * self.noise()) && best[*d].is_none_or(|b| costs[i] < costs[b]) {
+            if usable(costs[i]) && gain > worth.max(4.0 * self.noise()) && best[*d].is_none_or(|b| costs[i] < costs[b])
+            {
                 best[*d] = Some(i);
             }
         }

@@ -46,9 +46,27 @@ impl Memory {
         let theta = y.column(last).norm_squared() / s.column(last).dot(&y.column(last));
         let (sy, ss) = (s.tr_mul(&y), s.tr_mul(&s));
         let inverse = DMatrix::from_fn(2 * k, 2 * k, |i, j| match (i < k, j < k) {
-            (true, true) => if i == j { -sy[(i, i)] } else { 0.0 },
-            (false, true) => if i - k > j { sy[(i - k, j)] } else { 0.0 },
-            (true, false) => if j - k > i { sy[(j - k, i)] } else { 0.0 },
+            (true, true) => {
+                if i == j {
+                    -sy[(i, i)]
+                } else {
+                    0.0
+                }
+            }
+            (false, true) => {
+                if i - k > j {
+                    sy[(i - k, j)]
+                } else {
+                    0.0
+                }
+            }
+            (true, false) => {
+                if j - k > i {
+                    sy[(j - k, i)]
+                } else {
+                    0.0
+                }
+            }
             (false, false) => theta * ss[(i - k, j - k)],
         });
         let w = DMatrix::from_fn(n, 2 * k, |i, j| if j < k { y[(i, j)] } else { theta * s[(i, j - k)] });
@@ -128,13 +146,15 @@ impl Quadratic {
     /// al., section 5.1), projected on the box; cut short instead where the projection would not go downhill
     /// (J. L. Morales, J. Nocedal, ACM Trans. Math. Softw. 38 (2011), doi 10.1145/2049662.2049669).
     fn subspace(&self, gradient: &[f64], room: &[[f64; 2]], cauchy: Vec<f64>) -> Vec<f64> {
-        let free: Vec<usize> = (0..cauchy.len()).filter(|i| room[*i][0] < cauchy[*i] && cauchy[*i] < room[*i][1]).collect();
+        let free: Vec<usize> =
+            (0..cauchy.len()).filter(|i| room[*i][0] < cauchy[*i] && cauchy[*i] < room[*i][1]).collect();
         if free.is_empty() {
             return cauchy;
         }
         let bent = &self.w * (&self.m * self.w.tr_mul(&DVector::from_column_slice(&cauchy)));
         let w = self.w.select_rows(&free);
-        let rest = DVector::from_iterator(free.len(), free.iter().map(|&i| gradient[i] + self.theta * cauchy[i] - bent[i]));
+        let rest =
+            DVector::from_iterator(free.len(), free.iter().map(|&i| gradient[i] + self.theta * cauchy[i] - bent[i]));
         let mut newton = -&rest / self.theta;
         if w.ncols() > 0 {
             let inner = DMatrix::identity(w.ncols(), w.ncols()) - &self.m * w.tr_mul(&w) / self.theta;

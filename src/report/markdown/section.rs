@@ -211,7 +211,8 @@ pub(super) fn search(tuning: &Tuning) -> Option<String> {
     );
     if let Some(polish) = &tuning.polish {
         let starts = counted(polish.starts, "start");
-        text += &format!(" Local searches from {starts} ended it, with {} evaluations.", count(polish.evaluations as u64));
+        text +=
+            &format!(" Local searches from {starts} ended it, with {} evaluations.", count(polish.evaluations as u64));
         text += &match (tuning.converged, tuning.gradient_norm, &polish.note) {
             (Some(true), Some(norm), _) => format!(
                 " They converged: by its gradient the result is {} standard errors from the optimum.",

@@ -41,7 +41,8 @@ fn with_gain(tuning: &Tuning, standing: &str) -> String {
     if !tuning.certificate.order_held {
         "Check before use: double and single precision rank the best candidates differently.".to_owned()
     } else if tuning.converged == Some(false) {
-        let note = tuning.polish.as_ref().and_then(|polish| polish.note.as_deref()).unwrap_or("the search stopped short");
+        let note =
+            tuning.polish.as_ref().and_then(|polish| polish.note.as_deref()).unwrap_or("the search stopped short");
         format!("The tuned parameters {standing}, but they are no optimum yet: {note}.")
     } else if !tuning.consistency.is_consistent() {
         let headline = tuning.consistency.verdict;

@@ -68,7 +68,12 @@ fn order_held(pairs: &[(&Scored, &Verdict)], bounds: Bounds<'_>) -> bool {
     let overturned = |(a, exact_a): &(&Scored, &Verdict), (b, exact_b): &(&Scored, &Verdict)| {
         dominates(&exact_a.objectives, &exact_b.objectives)
             && !dominates(&a.costs, &b.costs)
-            && exact_a.objectives.iter().zip(&exact_b.objectives).enumerate().any(|(j, (a, b))| bounds.apart(j, *a, *b) >= 1.0)
+            && exact_a
+                .objectives
+                .iter()
+                .zip(&exact_b.objectives)
+                .enumerate()
+                .any(|(j, (a, b))| bounds.apart(j, *a, *b) >= 1.0)
     };
     !pairs.iter().any(infeasible) && !pairs.iter().any(|a| pairs.iter().any(|b| overturned(a, b)))
 }

@@ -177,7 +177,10 @@ fn a_front_keeps_to_its_constraints() {
     let outcome = study(scores, &spec, None).expect("an outcome");
     assert!(outcome.front.len() > 5 && outcome.front.iter().all(|m| m.constraints[0] >= 0.5 && m.candidate[0] >= 0.5));
     let end = &outcome.front[0].objectives;
-    assert!((end[0] - 0.25).abs() < 0.02 && end[0] >= 0.25, "the end is where the constraint holds with equality: {end:?}");
+    assert!(
+        (end[0] - 0.25).abs() < 0.02 && end[0] >= 0.25,
+        "the end is where the constraint holds with equality: {end:?}"
+    );
 }
 
 #[test]

@@ -21,9 +21,10 @@ pub(in crate::study) fn polish(front: &mut Front, place: &mut Place<'_>) -> Resu
     let others: Vec<Vec<f64>> = Vec::new();
     let mut runs = Vec::new();
     let all_smooth = (0..before.len()).all(|j| place.kind(j).is_smooth());
-    let ends = landmarks.ends.iter().enumerate().map(|(j, end)| {
-        (Goal::One(j), *end, place.kind(j).is_smooth(), place.kind(j).nat(before[j], place.rows()))
-    });
+    let ends =
+        landmarks.ends.iter().enumerate().map(|(j, end)| {
+            (Goal::One(j), *end, place.kind(j).is_smooth(), place.kind(j).nat(before[j], place.rows()))
+        });
     // Of the scaled sum a ten-thousandth of the front's range stands for a nat.
     let knee = (Goal::Scaled(ranges), landmarks.knee, all_smooth, 1e-4);
     for (goal, member, smooth, nat) in ends.chain([knee]) {

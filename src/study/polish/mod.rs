@@ -76,11 +76,7 @@ impl Place<'_> {
     /// Why no further batch may start, if so.
     fn stopped(&self) -> Option<Ended> {
         let over = self.tune.wall_time.is_some_and(|limit| self.record.seconds() >= limit);
-        if self.interrupt.load(Ordering::Relaxed) {
-            Some(Ended::Interrupted)
-        } else {
-            over.then_some(Ended::WallTime)
-        }
+        if self.interrupt.load(Ordering::Relaxed) { Some(Ended::Interrupted) } else { over.then_some(Ended::WallTime) }
     }
 
     fn kind(&self, objective: usize) -> Kind {

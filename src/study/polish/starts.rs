@@ -12,8 +12,8 @@ const DISTINCT: f64 = 0.5;
 /// Niches taken from the archive.
 const NICHES: usize = 2;
 
-/// Fresh points of the first population's box: in few dimensions one, beside what the search found; from five on a swarm
-/// collapses on a shelf often enough that the points must find the optimum themselves.
+/// Fresh points of the first population's box: a few beside what the search found; from five dimensions on a swarm collapses
+/// on a shelf often enough that the points must find the optimum themselves.
 const fn fresh_points(dimension: usize) -> usize {
     match dimension {
         0..=4 => 2,
@@ -28,7 +28,8 @@ impl Place<'_> {
         let space = self.coordinates.space();
         let units = self.coordinates.units(winner);
         let mut starts = vec![self.coordinates.position(winner)];
-        let near = |a: &[f64], b: &[f64]| a.iter().zip(b).zip(&units).all(|((a, b), unit)| (a - b).abs() < DISTINCT * unit);
+        let near =
+            |a: &[f64], b: &[f64]| a.iter().zip(b).zip(&units).all(|((a, b), unit)| (a - b).abs() < DISTINCT * unit);
         starts.extend(space.seeds.iter().filter(|seed| **seed != starts[0]).cloned().collect::<Vec<_>>());
         for member in self.record.archive.members() {
             let position = self.coordinates.position(&member.candidate);
@@ -56,10 +57,10 @@ impl Place<'_> {
     pub(super) fn simplex(&self, start: &[f64], others: &[Vec<f64>]) -> Result<NelderMead, OptimizeError> {
         let space = self.coordinates.space();
         let edges = edges(&space, start, others);
-        // In two coordinates 300 evaluations converge even at four an iteration, with a quarter of the calls. In three they
+        // In two coordinates few evaluations converge even at four an iteration, with a quarter of the calls. In three they
         // no longer do: measured on the ellipsoid from 2e-2, 3e-11 at four an iteration against 7e-21 one at a time.
         let speculative = start.len() <= 2;
-        let evaluations = (100 * start.len()).max(300);
+        let evaluations = (300 * start.len()).max(600);
         NelderMead::new(&space, start, &edges, nelder_mead::Options { evaluations, speculative, ..Default::default() })
     }
 }

@@ -5,13 +5,18 @@ use super::{Place, Polish};
 use crate::evaluate::{Evaluation, Population, Precision};
 use crate::study::StudyError;
 
+/// Nearer to its start than this share of a unit a parameter stays: a start at the optimum costs the same too.
+const NEAR: f64 = 0.05;
+
 /// Puts back to its start every parameter on which the cost does not depend: where it stands the same, within the
 /// resolution of f64, with that parameter at its start; then all such together, or one after the other as far as the cost
-/// stays. (Of a determined parameter at its optimum only a start within some 1e-4 standard errors costs the same.)
+/// stays.
 pub(super) fn put_back(winner: Polished<'_>, place: &mut Place<'_>, polish: &mut Polish) -> Result<(), StudyError> {
     let Some(start) = place.coordinates.start().map(<[f64]>::to_vec) else { return Ok(()) };
     let Polished { candidate, verdict } = winner;
-    let moved: Vec<usize> = (0..start.len()).filter(|d| candidate[*d] != start[*d]).collect();
+    let [from, to] = [&start, candidate].map(|point| place.coordinates.position(point));
+    let units = place.coordinates.units(candidate);
+    let moved: Vec<usize> = (0..start.len()).filter(|d| (to[*d] - from[*d]).abs() > NEAR * units[*d]).collect();
     if moved.is_empty() {
         return Ok(());
     }
@@ -25,8 +30,7 @@ pub(super) fn put_back(winner: Polished<'_>, place: &mut Place<'_>, polish: &mut
     moved.iter().for_each(|d| batch.push(&put(candidate, &[*d])));
     let costs = crate::study::evaluate(place.evaluator, &batch)?;
     polish.evaluations += batch.len();
-    let flat: Vec<usize> =
-        moved.iter().zip(1..).filter(|(_, i)| place.same(&costs, 0, *i)).map(|(d, _)| *d).collect();
+    let flat: Vec<usize> = moved.iter().zip(1..).filter(|(_, i)| place.same(&costs, 0, *i)).map(|(d, _)| *d).collect();
     let Some(chosen) = jointly(candidate, &flat, &put, place, polish)? else { return Ok(()) };
     let restored = put(candidate, &chosen);
     let Some(exact) = place.bounds.ask(place.oracle, &restored) else { return Ok(()) };

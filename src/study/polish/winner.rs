@@ -8,7 +8,11 @@ use crate::study::finish::Verdict;
 use crate::study::{Scored, StudyError};
 
 /// Ends closer than this to each other \[nats\] are one optimum.
-const SAME: f64 = 1e-3;
+const SAME: f64 = 1e-5;
+/// The same where the rounding of the cost is coarser, relative to it.
+const SAME_ROUNDING: f64 = 1e-12;
+/// Of a distance from 0, the part of a standard error that nobody needs closer.
+const CLOSE: f64 = 1e-4;
 /// Ends that the oracle is asked about.
 const ASKED: usize = 3;
 
@@ -68,12 +72,15 @@ impl Place<'_> {
         let starts = self.starts(winner);
         let search = |start: &Vec<f64>| Ok(Run::new(self.quasi_newton(start, nat)?, Goal::One(0)));
         let mut runs = starts.iter().map(search).collect::<Result<Vec<Run>, StudyError>>()?;
-        let (evaluations, ended) = self.lockstep(&mut runs, |runs| agree(runs, SAME * nat))?;
+        let (evaluations, ended) = self.lockstep(&mut runs, |runs| agree(runs, nat))?;
         polish.evaluations += evaluations;
         polish.starts += runs.len();
         polish.ended = ended;
         let mut ends: Vec<End> = runs.iter().filter_map(|run| self.end(run)).collect();
-        ends.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        // Of one optimum the end that has converged, before one that was still on its way when two agreed.
+        let best = ends.iter().map(|end| end.cost).fold(f64::INFINITY, f64::min);
+        let last = |end: &End| end.standing != Standing::Converged || end.cost > best + same(best, nat);
+        ends.sort_by(|a, b| last(a).cmp(&last(b)).then(a.cost.total_cmp(&b.cost)));
         Ok(ends)
     }
 
@@ -112,24 +119,33 @@ impl Place<'_> {
 
     /// The best end by the oracle, if that is better than the winner; and whether the winner has converged.
     fn choose(&self, candidate: &mut Vec<f64>, verdict: &mut Verdict, ends: &[End], nat: f64, polish: &mut Polish) {
-        let asked = ends.iter().take(ASKED).filter_map(|end| Some((end, self.bounds.ask(self.oracle, &end.candidate)?)));
-        let Some((end, exact)) = asked.min_by(|a, b| a.1.order(&b.1)) else { return };
-        let lost = exact.objectives[0] - verdict.objectives[0];
+        let stopped = matches!(polish.ended, Ended::WallTime | Ended::Interrupted);
+        polish.converged = stopped.then_some(false);
+        let better = |a: &(&End, Verdict), b: &(&End, Verdict)| {
+            // The ends come best first; only more than rounding turns them round.
+            let apart = b.1.objectives[0] - a.1.objectives[0];
+            a.1.violation < b.1.violation || (a.1.violation <= b.1.violation && apart > same(a.1.objectives[0], nat))
+        };
+        let asked =
+            ends.iter().take(ASKED).filter_map(|end| Some((end, self.bounds.ask(self.oracle, &end.candidate)?)));
+        let Some((end, exact)) = asked.reduce(|best, next| if better(&next, &best) { next } else { best }) else {
+            return;
+        };
+        let (cost, lost) = (exact.objectives[0], exact.objectives[0] - verdict.objectives[0]);
+        // What was minimised must be what the oracle sees: else the end is one of rounding.
+        let trusted = (end.cost - cost).abs() <= 100.0 * self.kind(0).resolution(Precision::F64, cost, self.rows());
+        let reached = !self.kind(0).is_smooth() && exact.violation <= 0.0 && cost <= CLOSE * nat;
         if exact.order(verdict).is_lt() {
             candidate.clone_from(&end.candidate);
-            *verdict = exact.clone();
+            *verdict = exact;
         }
         polish.after.clone_from(&verdict.objectives);
         polish.gradient_norm = end.gradient_norm;
-        // What was minimised must be what the oracle sees: else the end is one of rounding.
-        let (cost, rows) = (exact.objectives[0], self.rows());
-        let trusted = (end.cost - cost).abs() <= 100.0 * self.kind(0).resolution(Precision::F64, cost, rows);
-        polish.converged = match (polish.ended, end.standing) {
-            (Ended::WallTime | Ended::Interrupted, standing) if standing != Standing::Converged => Some(false),
-            (_, Standing::Converged) => Some(trusted && lost <= SAME * nat),
-            (_, Standing::Collapsed) => None,
-            (_, Standing::Unfinished) => Some(false),
-            (_, Standing::Stuck) => Some(false),
+        polish.converged = match end.standing {
+            Standing::Converged => Some(trusted && lost <= same(cost, nat)),
+            _ if reached => Some(true),
+            Standing::Collapsed => None,
+            Standing::Unfinished | Standing::Stuck => Some(false),
         };
         polish.ended = match (polish.ended, end.standing) {
             (Ended::Done, Standing::Unfinished) => Ended::Evaluations,
@@ -139,9 +155,14 @@ impl Place<'_> {
     }
 }
 
+/// Costs closer than this to each other are one optimum.
+fn same(cost: f64, nat: f64) -> f64 {
+    (SAME * nat).max(SAME_ROUNDING * cost.abs())
+}
+
 /// Whether the best of the searches has converged and another one has to the same cost.
-fn agree(runs: &[Run], same: f64) -> bool {
+fn agree(runs: &[Run], nat: f64) -> bool {
     let best = runs.iter().map(Run::cost).fold(f64::INFINITY, f64::min);
-    let there = |run: &&Run| run.search.standing() == Standing::Converged && run.cost() <= best + same;
+    let there = |run: &&Run| run.search.standing() == Standing::Converged && run.cost() <= best + same(best, nat);
     runs.iter().filter(there).count() > 1
 }

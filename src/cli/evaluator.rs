@@ -125,6 +125,10 @@ impl Evaluator for Chosen {
     fn device(&self) -> Device {
         self.evaluator.device()
     }
+
+    fn rows(&self) -> usize {
+        self.evaluator.rows()
+    }
 }
 
 /// No adapter is here to have run on.

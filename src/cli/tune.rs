@@ -118,7 +118,8 @@ struct Search {
     #[arg(long, value_name = "N")]
     evaluations: Option<i64>,
 
-    /// Stop after this long, in seconds (default: the file's `tune.stop.wall_time`, or no limit); two such runs may differ.
+    /// Stop after this long, in seconds, polish included (default: the file's `tune.stop.wall_time`, or no limit); two such
+    /// runs may differ.
     #[arg(long, value_name = "SECONDS")]
     wall_time: Option<f64>,
 
@@ -130,8 +131,7 @@ struct Search {
     #[arg(long, value_name = "COST")]
     target: Option<f64>,
 
-    /// Leave out the local search in f64 that ends a study of one objective (default: as the file's `tune.polish`,
-    /// true), to see what the optimiser itself found.
+    /// Leave out the local searches in f64 that end a study (default: as the file's `tune.polish`, true), to see what the optimiser itself found.
     #[arg(long)]
     no_polish: bool,
 

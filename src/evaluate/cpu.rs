@@ -10,6 +10,9 @@ use crate::words::counted;
 use rayon::prelude::*;
 use std::num::NonZero;
 
+/// Candidates of the narrowest block.
+const NARROWEST: usize = 8;
+
 /// How the CPU evaluator runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CpuOptions {
@@ -140,14 +143,18 @@ impl CpuEvaluator {
         }
     }
 
-    /// Candidates a task: whole blocks, so many that a task takes about a millisecond.
-    fn task(&self) -> usize {
+    /// Candidates a task, of `population`: whole blocks, so many that a task takes about a millisecond. Of a population
+    /// that is no more than a block a thread the blocks are narrower, where the log is so long that threads pay.
+    fn task(&self, population: usize) -> usize {
         /// Lane operations a core does in about a millisecond.
         const OPERATIONS: usize = 4_000_000;
         let program = self.program();
-        let rows: usize = program.spans.iter().map(|s| s.rows.len()).sum();
-        let block = rows * program.step.operations.len() * self.widest();
-        OPERATIONS.div_ceil(block.max(1)) * self.widest()
+        let candidate = program.rows() * program.step.operations.len();
+        let narrow = population.div_ceil(self.threads).next_multiple_of(NARROWEST);
+        if narrow < self.widest() && candidate * narrow >= OPERATIONS / 4 {
+            return narrow;
+        }
+        OPERATIONS.div_ceil((candidate * self.widest()).max(1)) * self.widest()
     }
 
     /// Scores and status of some candidates (row-major).
@@ -191,7 +198,7 @@ impl Evaluator for CpuEvaluator {
 
     fn evaluate(&mut self, population: &Population) -> Evaluation {
         let values = population.values();
-        let task = self.task();
+        let task = self.task(population.len());
         let parts = if self.threads == 1 || population.len() <= task {
             vec![self.score(values)]
         } else {
@@ -210,6 +217,10 @@ impl Evaluator for CpuEvaluator {
             adapter: format!("{}, {}", instruction_set(), counted(self.threads, "thread")),
             precision: precision.to_string(),
         }
+    }
+
+    fn rows(&self) -> usize {
+        self.program().rows()
     }
 }
 

@@ -139,6 +139,9 @@ impl Evaluation {
     /// The cost of a failed candidate: the worst finite number, so that comparisons never meet NaN.
     pub const FAILED: f64 = f64::MAX;
 
+    /// The least that [`Self::penalised`] makes an infeasible candidate cost; no cost of a usable one is near it.
+    pub const INFEASIBLE: f64 = 1e200;
+
     /// From row-major costs (candidates x objectives) and one status a candidate. Costs of failed candidates, and
     /// any cost that is not finite, become [`Self::FAILED`], and the latter set [`Status::NOT_FINITE`].
     ///
@@ -199,7 +202,6 @@ impl Evaluation {
     /// a constant in place of the worst feasible cost, so that costs of different generations compare.
     #[must_use]
     pub fn penalised(&self) -> Cow<'_, Self> {
-        const INFEASIBLE: f64 = 1e200;
         if self.objectives != 1 || self.violation.is_empty() {
             return Cow::Borrowed(self);
         }
@@ -207,7 +209,7 @@ impl Evaluation {
         for i in (0..self.len()).filter(|i| self.status[*i].is_ok()) {
             let violation = self.violation(i);
             if violation > 0.0 {
-                penalised.costs[i] = INFEASIBLE * (2.0 - 1.0 / (1.0 + violation));
+                penalised.costs[i] = Self::INFEASIBLE * (2.0 - 1.0 / (1.0 + violation));
             }
         }
         Cow::Owned(penalised)
@@ -282,6 +284,11 @@ pub trait Evaluator {
 
     /// Where it computes.
     fn device(&self) -> Device;
+
+    /// Rows of the log that a candidate runs over; 0 where there is no log.
+    fn rows(&self) -> usize {
+        0
+    }
 }
 
 #[cfg(test)]

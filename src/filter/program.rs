@@ -89,6 +89,12 @@ impl Program {
     /// Rows after which sums are moved to their f64 totals.
     pub const BLOCK: usize = 32;
 
+    /// Rows of all trajectories.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.spans.iter().map(|span| span.rows.len()).sum()
+    }
+
     /// Number of objectives.
     #[must_use]
     pub const fn objectives(&self) -> usize {
@@ -150,7 +156,7 @@ impl Program {
 impl Display for Program {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let Self { form, parameters, invariants, columns, .. } = self;
-        let rows: usize = self.spans.iter().map(|s| s.rows.len()).sum();
+        let rows = self.rows();
         writeln!(
             f,
             "# {rows} rows, {columns} columns a row, {parameters} searched parameters, {} carried, {invariants} invariants",

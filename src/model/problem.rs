@@ -139,7 +139,7 @@ pub struct TuneSpec {
     pub target: Option<f64>,
     /// Whether the user's starts join generation 0.
     pub include_start: bool,
-    /// Whether the winner is polished in f64.
+    /// Whether the winner, or ends and knee of a front, are polished in f64.
     pub polish: bool,
 }
 

@@ -5,6 +5,7 @@ mod constraint;
 mod innovation;
 mod likelihood;
 mod mismatch;
+mod resolution;
 mod truth;
 
 #[cfg(test)]

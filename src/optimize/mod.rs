@@ -4,6 +4,8 @@
 //! per (generation, candidate), so a result depends on the seed alone.
 
 pub mod indicators;
+pub mod lbfgsb;
+mod local_search;
 pub mod memetic;
 pub mod nelder_mead;
 pub mod nsga2;
@@ -20,6 +22,7 @@ mod swarm;
 #[cfg(test)]
 mod tests;
 
+pub use local_search::{LocalSearch, Standing};
 pub use registry::{ALGORITHMS, Algorithm, OptimizeError, Settings, algorithm, build};
 pub use space::Space;
 

@@ -1,6 +1,6 @@
-//! Nelder-Mead: the local search that polishes a winner.
+//! Nelder-Mead: the local search for costs that have kinks.
 
-use super::{OptimizeError, Optimizer, Space};
+use super::{LocalSearch, OptimizeError, Optimizer, Space, Standing};
 use crate::evaluate::{Evaluation, Population};
 
 /// How a local search runs.
@@ -228,5 +228,19 @@ impl Optimizer for NelderMead {
                 self.decide();
             }
         }
+    }
+}
+
+impl LocalSearch for NelderMead {
+    fn best(&self) -> Option<(&[f64], f64)> {
+        Self::best(self)
+    }
+
+    fn standing(&self) -> Standing {
+        if self.converged { Standing::Collapsed } else { Standing::Unfinished }
+    }
+
+    fn gradient_norm(&self) -> Option<f64> {
+        None
     }
 }

@@ -42,6 +42,8 @@ pub enum Purpose {
     LocalSearch = 9,
     /// Mutation of candidates that repeat another.
     Distinction = 10,
+    /// Fresh starts of the local searches that end a study.
+    Polish = 11,
 }
 
 /// High and low word of the 64-bit product of two words.

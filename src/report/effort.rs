@@ -82,6 +82,8 @@ pub struct Nothing {
     pub front: (),
     pub front_summary: (),
     pub polish: (),
+    pub converged: (),
+    pub gradient_norm: (),
     pub matrices: (),
     #[serde(flatten)]
     pub effort: Effort,
@@ -160,6 +162,8 @@ impl Effort {
             front: (),
             front_summary: (),
             polish: (),
+            converged: (),
+            gradient_norm: (),
             matrices: (),
         }
     }

@@ -70,7 +70,9 @@ impl Tuning {
         for (name, tuned) in self.parameters.iter() {
             let bound = self.at_bound.get(name).map(|bound| format!("at its {bound} bound"));
             let truth = self.simulated_with.get(name).map(|truth| format!("simulated with {}", short(*truth, DIGITS)));
-            let note = [bound, truth].into_iter().flatten().collect::<Vec<_>>().join("; ");
+            let left = self.polish.as_ref().is_some_and(|polish| polish.left_at_start.iter().any(|left| left == name));
+            let left = left.then(|| "undetermined, left at its start".to_owned());
+            let note = [bound, left, truth].into_iter().flatten().collect::<Vec<_>>().join("; ");
             let unit = self.effort.units.get(name).cloned().flatten().unwrap_or_default();
             let baseline = self.effort.baseline.parameters.get(name).map_or_else(String::new, |v| short(*v, DIGITS));
             table.push([name.to_owned(), unit, baseline, short(*tuned, DIGITS), note]);
@@ -151,14 +153,45 @@ impl Tuning {
 
     fn polish_line(&self) -> Option<String> {
         let polish = self.polish.as_ref()?;
-        let (name, before) = polish.before.iter().next()?;
-        let after = polish.after.get(name)?;
-        Some(format!(
-            "Polish: {} evaluations took {name} from {} to {}.",
-            polish.evaluations,
-            significant(*before, DIGITS + 2),
-            significant(*after, DIGITS + 2),
-        ))
+        let evaluations = count(polish.evaluations as u64);
+        let moved = polish.before.iter().zip(polish.after.iter()).map(|((name, before), (_, after))| {
+            format!("{name} from {} to {}", significant(*before, DIGITS + 2), significant(*after, DIGITS + 2))
+        });
+        let mut line = format!(
+            "Polish: {evaluations} evaluations from {} took {}",
+            counted(polish.starts, "start"),
+            listed_words(&moved.collect::<Vec<_>>())
+        );
+        if self.front.is_some() {
+            line += &format!(", and gave the front {}.", counted(polish.members, "member"));
+            return Some(line);
+        }
+        let norm = self
+            .gradient_norm
+            .map(|norm| format!("{} standard errors from the optimum by its gradient", short(norm, 2)));
+        line += &match (self.converged, norm, &polish.note) {
+            (Some(true), Some(norm), _) => format!("; converged, {norm}."),
+            (Some(true), None, _) => "; converged.".to_owned(),
+            (_, _, Some(note)) => {
+                format!("; {}: {note}.", if self.converged.is_some() { "not converged" } else { "convergence unknown" })
+            }
+            _ => ".".to_owned(),
+        };
+        Some(line)
+    }
+}
+
+/// "1 start", "2 starts".
+pub(super) fn counted(number: usize, what: &str) -> String {
+    format!("{} {what}{}", count(number as u64), if number == 1 { "" } else { "s" })
+}
+
+/// "a", "a and b", "a, b and c".
+fn listed_words(words: &[String]) -> String {
+    match words {
+        [] => String::new(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
     }
 }
 

@@ -7,12 +7,12 @@ use super::validation::Trained;
 use super::warnings::mixed_units;
 use super::{
     Bound, Consistency, ConstraintCheck, Effort, Evidence, FrontPoint, FrontSummary, HeldOutDifference, Matrices,
-    Named, Rows, Scored, StartOf, Uncertainty, Validation, Warning, constraint_checks, front, raw_rmse,
+    Named, Rows, Scored, StartOf, Uncertainty, Validation, Warning, constraint_checks, front, raw_rmse, short,
 };
 use crate::data::{HeldOut, Split};
 use crate::model::Problem;
 use crate::reference::{self, Failure};
-use crate::study::{self, Outcome, Winner};
+use crate::study::{self, Ended, Outcome, Winner};
 
 /// The result of a study. Objectives are values of the f64 reference over what was tuned on: the whole log, or its
 /// training rows where `validation` says so. Parameters are in their own units.
@@ -48,8 +48,12 @@ pub struct Tuning {
     pub front: Option<Vec<FrontPoint>>,
     /// What that front offers.
     pub front_summary: Option<FrontSummary>,
-    /// The local search in f64 that ended the study.
+    /// The local searches in f64 that ended the study.
     pub polish: Option<Polish>,
+    /// Whether the winner is an optimum by its gradient; `None` where none is there to judge by (see [`Polish::note`]).
+    pub converged: Option<bool>,
+    /// Predicted distance of the winner to the optimum, in standard errors: sqrt(2 x the predicted gain in nats).
+    pub gradient_norm: Option<f64>,
     /// The tuned filter.
     pub matrices: Matrices,
     /// RMSE of the raw measurements, for `rmse` objectives whose states are measured directly.
@@ -66,8 +70,11 @@ pub struct Certificate {
     pub objectives_f64: Named<f64>,
     /// The same candidate, as the search scored it.
     pub objectives_search: Named<f64>,
-    /// Largest relative difference of the two over the re-scored candidates.
+    /// Largest relative difference of the two over the re-scored candidates; of a cost that is a distance from 0, relative
+    /// to the mean that it is the distance of, and of `nll` to one nat a row at least.
     pub largest_relative_gap: f64,
+    /// Largest difference in units of what is promised of single precision.
+    pub largest_gap: f64,
     /// Whether both rank the re-scored candidates alike.
     pub order_held: bool,
     /// Number of candidates re-scored.
@@ -78,15 +85,25 @@ pub struct Certificate {
     pub dropped: usize,
 }
 
-/// The local search that ended a study of one objective.
+/// The local searches that ended a study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Polish {
-    /// Evaluations it took, not counted among the search's.
+    /// Evaluations they took, not counted among the search's.
     pub evaluations: usize,
-    /// Objectives it started from, by the reference.
+    /// How many there were.
+    pub starts: usize,
+    /// Objectives before, by the reference; of a front, the best of each.
     pub before: Named<f64>,
-    /// And ended with.
+    /// And after.
     pub after: Named<f64>,
+    /// Why they ended.
+    pub ended: Ended,
+    /// Parameters that were put back to their start because the cost is the same there.
+    pub left_at_start: Vec<String>,
+    /// Members that a front gained.
+    pub members: usize,
+    /// Why `converged` is not true, in words.
+    pub note: Option<String>,
 }
 
 impl Tuning {
@@ -135,6 +152,8 @@ impl Tuning {
             front: points,
             front_summary: summary,
             polish: winner.polish.as_ref().map(|polish| Polish::of(problem, polish)),
+            converged: winner.polish.as_ref().and_then(|polish| polish.converged),
+            gradient_norm: winner.polish.as_ref().and_then(|polish| polish.gradient_norm),
             matrices: Matrices::of(problem, log, &winner.candidate),
             raw_measurements: raw.collect(),
             effort,
@@ -151,6 +170,7 @@ impl Certificate {
             objectives_f64: objectives(problem, &certificate.objectives_f64),
             objectives_search: objectives(problem, &certificate.objectives_search),
             largest_relative_gap: certificate.largest_relative_gap,
+            largest_gap: certificate.largest_gap,
             order_held: certificate.order_held,
             candidates: certificate.finalists,
             refused: certificate.refused,
@@ -161,12 +181,40 @@ impl Certificate {
 
 impl Polish {
     fn of(problem: &Problem, polish: &study::Polish) -> Self {
+        let names = problem.parameters.names();
         Self {
             evaluations: polish.evaluations,
+            starts: polish.starts,
             before: objectives(problem, &polish.before),
             after: objectives(problem, &polish.after),
+            ended: polish.ended,
+            left_at_start: polish.left_at_start.iter().map(|i| names[*i].to_owned()).collect(),
+            members: polish.members,
+            note: note(problem, polish),
         }
     }
+}
+
+/// Why a winner is not known to be an optimum.
+fn note(problem: &Problem, polish: &study::Polish) -> Option<String> {
+    if problem.tune.objectives.len() > 1 || polish.converged == Some(true) {
+        return None;
+    }
+    let objective = problem.tune.objectives.first().map_or("", |objective| objective.name());
+    let far = polish.gradient_norm.map_or_else(String::new, |norm| {
+        format!(", by its gradient {} standard errors from the optimum", short(norm, 2))
+    });
+    Some(match polish.ended {
+        Ended::Interrupted => format!("the local search was interrupted{far}"),
+        Ended::WallTime => format!("the time allowed was over before the local search was done{far}"),
+        Ended::Evaluations => format!("the local search used up its evaluations{far}"),
+        Ended::Stuck => format!("the local search found no way down although {objective} is not flat there{far}"),
+        Ended::Done if polish.converged.is_none() => format!(
+            "{objective} has no gradient to judge by, at a kink or at the edge of a constraint: a simplex search ended by \
+             itself"
+        ),
+        Ended::Done => "the reference does not find what the local search found".to_owned(),
+    })
 }
 
 /// Scores of baseline and winner on what is held out, if anything is.

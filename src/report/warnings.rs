@@ -9,9 +9,8 @@ use crate::model::Problem;
 use crate::objective::{Kind, Objective};
 use crate::optimize;
 
-/// Relative difference between search and reference above which single precision is worth a warning: ten times what is
-/// promised of it.
-const LARGE_GAP: f64 = 1e-4;
+/// Difference between search and reference that is worth a warning, in units of what is promised of single precision.
+const LARGE_GAP: f64 = 10.0;
 
 /// A reason to look twice, with what to do about it.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,6 +50,11 @@ pub enum Warning {
         /// Of how many.
         evaluations: u64,
     },
+    /// The winner is not known to be an optimum, or is known not to be one.
+    NotConverged {
+        /// Why.
+        note: String,
+    },
     /// Reference and search rank the best candidates differently.
     OrderChanged {
         /// `f64` or `f32`, of the search.
@@ -80,8 +84,9 @@ impl Warning {
             one_objective(tuning),
             tuning.front.as_ref().filter(|front| front.len() == 1).map(|_| Self::OneMember),
             (failed > 0).then_some(Self::Failures { failed, evaluations }),
+            not_converged(tuning),
             (!certificate.order_held).then(|| Self::OrderChanged { precision: precision.clone() }),
-            (gap > LARGE_GAP).then(|| Self::LargeGap { gap, precision: precision.clone() }),
+            (certificate.largest_gap > LARGE_GAP).then(|| Self::LargeGap { gap, precision: precision.clone() }),
         ]
         .into_iter()
         .flatten()
@@ -98,6 +103,11 @@ pub(super) fn mixed_units(problem: &Problem) -> Vec<Warning> {
     let names = || states.iter().map(|i| model.states[*i].clone()).collect();
     let mixed = problem.tune.objectives.iter().filter(takes_all).filter(|_| differ_in_unit(problem, &states));
     mixed.map(|o| Warning::MixedUnits { objective: o.name(), states: names() }).collect()
+}
+
+fn not_converged(tuning: &Tuning) -> Option<Warning> {
+    let polish = tuning.polish.as_ref().filter(|_| tuning.converged == Some(false))?;
+    Some(Warning::NotConverged { note: polish.note.clone().unwrap_or_default() })
 }
 
 fn on_held_out(validation: &Validation) -> Option<Warning> {
@@ -173,6 +183,9 @@ impl fmt::Display for Warning {
                 count(*failed),
                 count(*evaluations)
             ),
+            Self::NotConverged { note } => {
+                write!(f, "the tuned parameters are no optimum yet: {note} (tune from tuned.toml, or search longer)")
+            }
             Self::OrderChanged { precision } => write!(
                 f,
                 "the f64 reference ranks the best candidates differently from the {precision} search ({})",

@@ -27,6 +27,12 @@ impl Coordinates {
         coordinates
     }
 
+    /// Number of search coordinates.
+    #[must_use]
+    pub const fn dimension(&self) -> usize {
+        self.searches.len()
+    }
+
     /// The user's start, where it joins generation 0.
     #[must_use]
     pub fn start(&self) -> Option<&[f64]> {
@@ -43,6 +49,24 @@ impl Coordinates {
             init: self.searches.iter().map(|s| s.init.map(|x| to_position(s, x))).collect(),
             seeds: self.start.iter().map(|(position, _)| position.clone()).collect(),
         }
+    }
+
+    /// A length in each search coordinate that counts as large: a factor of ten on a log scale, half the range on a linear
+    /// one (of `init` where it is unbounded), or, without a range, the size of the value there.
+    #[must_use]
+    pub fn units(&self, candidate: &[f64]) -> Vec<f64> {
+        self.searches.iter().zip(candidate).map(|(search, value)| unit(search, *value)).collect()
+    }
+
+    /// A first step for differences in each search coordinate: one per cent of the value.
+    #[must_use]
+    pub fn steps(&self, candidate: &[f64]) -> Vec<f64> {
+        let step = |((search, value), unit): ((&Search, &f64), f64)| match search.scale {
+            Scale::Log => 0.01,
+            Scale::Linear if *value == 0.0 => 1e-3 * unit,
+            Scale::Linear => (0.01 * value.abs()).min(unit),
+        };
+        self.searches.iter().zip(candidate).zip(self.units(candidate)).map(step).collect()
     }
 
     /// Search coordinates of a candidate.
@@ -63,6 +87,15 @@ impl Coordinates {
             }
         }
         candidates
+    }
+}
+
+fn unit(search: &Search, value: f64) -> f64 {
+    let width = if search.max.is_finite() { search.max - search.min } else { search.init[1] - search.init[0] };
+    match search.scale {
+        Scale::Log => std::f64::consts::LN_10,
+        Scale::Linear if width > 0.0 => 0.5 * width,
+        Scale::Linear => value.abs().max(1.0),
     }
 }
 

@@ -2,9 +2,10 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::finish::{self, Bounds, Polished};
+use super::finish::{self, Bounds};
+use super::polish::{self, Place, Polished};
 use super::record::Record;
-use super::{Baseline, Coordinates, FrontMember, Judge, Landmarks, Oracle, Scored, StudyError, Winner, front};
+use super::{Baseline, Coordinates, FrontMember, Judge, Landmarks, Oracle, Polish, Scored, StudyError, Winner, front};
 use crate::evaluate::Evaluator;
 use crate::model::TuneSpec;
 
@@ -42,23 +43,28 @@ pub(super) fn decide(
         found.extend(start);
         found
     };
-    let bounds = Bounds { objectives: evaluator.objectives(), constraints: &tune.constraints };
-    if let Some(front) = &record.front
-        && let Some(certified) = front::certify(&with_start(front.members()), judge.oracle, bounds, &tune.pick)
-    {
-        return Ok(Decision::of(certified));
+    let bounds = Bounds::of(tune, evaluator);
+    let Judge { oracle, polisher } = judge;
+    let local: &mut dyn Evaluator = match polisher {
+        Some(polisher) => polisher,
+        None => evaluator,
+    };
+    let polishes = tune.polish && !interrupt.load(Ordering::Relaxed);
+    let mut place = Place { tune, coordinates, record, evaluator: local, oracle, bounds, interrupt };
+    if let Some(front) = &record.front {
+        let mut front = front.clone();
+        let polish = if polishes { polish::polish_front(&mut front, &mut place)? } else { None };
+        if let Some(certified) = front::certify(&with_start(front.members()), oracle, bounds, &tune.pick) {
+            return Ok(Decision::of(certified, polish));
+        }
     }
     let finalists = with_start(record.archive.members().to_vec());
-    let Some((mut candidate, mut verdict, certificate)) = finish::certify(&finalists, judge.oracle, bounds) else {
+    let Some((mut candidate, mut verdict, certificate)) = finish::certify(&finalists, oracle, bounds) else {
         return Ok(Decision { winner: None, front: Vec::new(), landmarks: None });
     };
-    let polish = if tune.polish && bounds.objectives == 1 && !interrupt.load(Ordering::Relaxed) {
-        let local: &mut dyn Evaluator = match judge.polisher {
-            Some(polisher) => polisher,
-            None => evaluator,
-        };
+    let polish = if polishes && bounds.objectives == 1 {
         let best = Polished { candidate: &mut candidate, verdict: &mut verdict };
-        Some(finish::polish(best, coordinates, &finalists, local, (judge.oracle, bounds), interrupt)?)
+        Some(polish::polish_winner(best, &finalists, &mut place)?)
     } else {
         None
     };
@@ -69,7 +75,7 @@ pub(super) fn decide(
 
 impl Decision {
     /// The recommended member of a front wins.
-    fn of(certified: front::Certified) -> Self {
+    fn of(certified: front::Certified, polish: Option<Polish>) -> Self {
         let front::Certified { members, landmarks, certificate } = certified;
         let winner = members.get(landmarks.recommended).map(|member| Winner {
             candidate: member.candidate.clone(),
@@ -77,7 +83,7 @@ impl Decision {
             constraints: member.constraints.clone(),
             violation: 0.0,
             certificate,
-            polish: None,
+            polish,
         });
         Self { winner, front: members, landmarks: Some(landmarks) }
     }

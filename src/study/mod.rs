@@ -7,6 +7,7 @@ mod decision;
 mod error;
 mod finish;
 mod front;
+mod polish;
 mod record;
 mod search;
 mod snapshot;
@@ -20,8 +21,9 @@ pub use archive::{Archive, Scored};
 pub use checkpoint::{Checkpoint, CheckpointError, CheckpointFile, Identity, NUMERICS, Source};
 pub use coordinates::Coordinates;
 pub use error::StudyError;
-pub use finish::{Certificate, Polish};
+pub use finish::Certificate;
 pub use front::{Among, FRONT_CAPACITY, Front, FrontMember, Landmarks, MeanNis};
+pub use polish::{Ended, Polish};
 pub use record::{FINALISTS, Generation, Observer, Reached};
 pub use snapshot::Snapshot;
 pub use stop::StopReason;
@@ -103,7 +105,7 @@ pub struct Winner {
     pub violation: f64,
     /// How far search and oracle agree.
     pub certificate: Certificate,
-    /// The local search after it; `None` when off or interrupted.
+    /// The local searches after it; `None` when off or interrupted.
     pub polish: Option<Polish>,
 }
 
@@ -225,7 +227,7 @@ pub fn run_task(
         return Err(StudyError::NothingSearched);
     }
     let coordinates = Coordinates::new(study.parameters, tune.include_start);
-    let bounds = Bounds { objectives: evaluator.objectives(), constraints: &tune.constraints };
+    let bounds = Bounds::of(tune, evaluator);
     if bounds.objectives > MAX_OBJECTIVES {
         return Err(StudyError::TooManyObjectives { objectives: bounds.objectives, limit: MAX_OBJECTIVES });
     }

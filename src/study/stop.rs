@@ -38,10 +38,15 @@ impl StopReason {
     }
 }
 
+/// Share of the time allowed that the search may take where polish follows: a search stopped there is worth less than the
+/// polish that the rest of the time holds.
+const SEARCH_SHARE: f64 = 0.75;
+
 /// Why no further generation may start, if so. Looked at between generations only, so a stop never cuts one short; only
 /// an interrupt may keep generation 0 from starting.
 pub(super) fn reason(tune: &TuneSpec, record: &Record, interrupt: &AtomicBool) -> Option<StopReason> {
     let best = record.archive.best().filter(|best| best.violation <= 0.0).map(|best| best.costs[0]);
+    let share = if tune.polish { SEARCH_SHARE } else { 1.0 };
     let reached = |target: f64| best.is_some_and(|best| best <= target);
     if interrupt.load(Ordering::Relaxed) {
         Some(StopReason::Interrupted)
@@ -51,7 +56,7 @@ pub(super) fn reason(tune: &TuneSpec, record: &Record, interrupt: &AtomicBool) -
         None
     } else if tune.stall.is_some_and(|limit| record.stalled >= limit) {
         Some(StopReason::Stall)
-    } else if tune.wall_time.is_some_and(|limit| record.seconds() >= limit) {
+    } else if tune.wall_time.is_some_and(|limit| record.seconds() >= share * limit) {
         Some(StopReason::WallTime)
     } else {
         None

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::command::{Finished, Folder};
+use crate::command::{Finished, Folder, level_log};
 
 /// A result without what may differ from run to run: times, and the number of threads in the device's name.
 pub(crate) fn without_times(mut json: Value) -> Value {
@@ -39,7 +39,7 @@ fn json_has_every_promised_field() {
         ("certificate", &["objectives_f64", "objectives_search", "largest_relative_gap", "order_held"]),
         ("device", &["backend", "adapter", "precision"]),
         ("matrices", &["F", "Q", "R", "K"]),
-        ("polish", &["evaluations"]),
+        ("polish", &["evaluations", "starts", "before", "after", "ended", "left_at_start"]),
     ] {
         for field in fields {
             assert!(!json[object][field].is_null(), "{object}.{field} in {json}");
@@ -50,6 +50,7 @@ fn json_has_every_promised_field() {
     }
     assert!(json.as_object().unwrap().contains_key("validation"), "{json}");
     assert!(json.as_object().unwrap().contains_key("front"), "{json}");
+    assert!(json["converged"] == true && json["gradient_norm"].as_f64().unwrap() < 0.015, "{json}");
     assert_eq!(json["units"]["q"], "m^2");
     assert_eq!(json["baseline"]["parameters"]["r"], 50.0);
     assert_eq!(json["seed"], 7);
@@ -80,7 +81,7 @@ fn flags_take_the_place_of_the_file() {
     let json = tune(&folder, &["--objectives", "mse_innovation"]);
     assert!(json["objectives"]["mse_innovation"].is_f64(), "{json}");
     let json = tune(&folder, &["--no-polish"]);
-    assert!(json["polish"].is_null(), "{json}");
+    assert!(json["polish"].is_null() && json["converged"].is_null() && json["gradient_norm"].is_null(), "{json}");
     let json = tune(&folder, &["--precision", "f32"]);
     assert_eq!(json["device"]["precision"], "f32");
     assert!(json["certificate"]["largest_relative_gap"].as_f64().unwrap() > 0.0, "f32 costs something: {json}");
@@ -201,4 +202,36 @@ fn nothing_draws_on_a_pipe() {
     let finished = Folder::with_level().run(&["tune", "problem.toml"]).expect(0);
     assert!(!finished.stderr.contains('\u{1b}') && !finished.stderr.contains('\r'), "{:?}", finished.stderr);
     assert!(!finished.stdout.contains('\u{1b}'), "{:?}", finished.stdout);
+}
+
+/// The second sensor is silent in the rows tuned on: its bias and its variance keep the values that the user gave.
+#[test]
+fn undetermined_parameters_stay_at_their_start() {
+    let folder = Folder::new();
+    let rows = level_log(60);
+    let log = rows.lines().enumerate().map(|(i, line)| match (i, line.rsplit(',').next()) {
+        (0, _) => format!("{line},second\n"),
+        (i, Some(value)) if i > 45 => format!("{line},{value}\n"),
+        _ => format!("{line},\n"),
+    });
+    folder.write("log.csv", log.collect::<String>());
+    let text = crate::command::LEVEL
+        .replace("measurements = [\"z\"]", "measurements = [\"z\", \"second\"]")
+        .replace("h = [\"x\"]", "h = [\"x\", \"x + bias\"]")
+        .replace("R = { z = \"r\" }", "R = [\"r\", \"r2\"]")
+        .replace(
+            "[parameters]\n",
+            "[parameters]\nbias = { min = -9, max = 9, start = 2.5 }\nr2 = { min = 1e-4, max = 1e4, scale = \"log\", start = 7 }\n",
+        );
+    folder.write("problem.toml", &text);
+    let json = tune(&folder, &["--validate", "0.3"]);
+    assert_eq!((&json["parameters"]["bias"], &json["parameters"]["r2"]), (&2.5.into(), &7.0.into()), "{text}\n{json}");
+    assert_eq!(json["polish"]["left_at_start"], serde_json::json!(["bias", "r2"]));
+    assert_eq!(json["converged"], true, "{json}");
+    let report = folder.run(&["tune", "problem.toml", "--validate", "0.3"]).expect(0).stdout;
+    for part in
+        ["undetermined, left at its start", "bias is not determined by this log", "r2 is not determined by this log"]
+    {
+        assert!(report.contains(part), "{part}: {report}");
+    }
 }

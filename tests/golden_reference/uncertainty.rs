@@ -1,10 +1,14 @@
 //! Standard errors against the likelihood of dense algebra, whose derivatives are known in closed form.
 
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
-use kfgpu::data::Log;
+use kfgpu::data::{Log, simulate};
+use kfgpu::evaluate::{CpuEvaluator, CpuOptions};
 use kfgpu::model::Problem;
+use kfgpu::reference;
 use kfgpu::report::Uncertainty;
+use kfgpu::study::{self, Judge, Study};
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 
 /// The Nile's problem file, with replacements in its text, and its log.
@@ -146,4 +150,45 @@ fn away_from_the_optimum_of_nll_there_are_none() {
     let hessian = dense(&log, [eps, eta]).1;
     let near = Uncertainty::of(&problem, &log, &[eps * (0.2 / hessian[(0, 0)].sqrt()).exp(), eta]);
     assert!(near.distance_to_optimum.is_some_and(|d| (d - 0.2).abs() < 0.02), "{near:?}");
+}
+
+/// On 120,000 rows of a local level the standard errors are those of the expected information: the differences are an
+/// MA(1) with spectral density f(w) = q + 2 r (1 - cos w), and information by Whittle's integral, N / 4 pi times that of
+/// d ln f d ln f (P. Whittle, Ark. Mat. 2 (1953), doi 10.1007/BF02590998). Both agree to 1 / sqrt(N).
+#[test]
+fn a_long_log_has_standard_errors() {
+    const ROWS: f64 = 120_000.0;
+    let text = "[data]\nmeasurements = [\"y\"]\n[model]\nkind = \"local-level\"\nq = \"q\"\nR = [\"r\"]\nx0 = [0]\nP0 = [1e4]\n\
+        [parameters]\nq = { min = 1e-3, max = 1e2, scale = \"log\", start = 1 }\n\
+        r = { min = 1e-3, max = 1e2, scale = \"log\", start = 1 }\n[tune]\npopulation = 16\ngenerations = 2\n\
+        [simulate]\nsteps = 120000\nparameters = { q = 0.3, r = 4 }\nseed = 5\n";
+    let problem = Problem::parse(text, "long.toml").expect("a problem");
+    let log = simulate(&problem, None).expect("a log");
+    let mut lanes = CpuEvaluator::new(&problem, &log, CpuOptions::default()).expect("traced");
+    let oracle = |candidate: &[f64]| reference::costs(&problem, &log, candidate).ok();
+    let judge = Judge { oracle: &oracle, polisher: None };
+    let outcome = study::run(&Study::of(&problem), &mut lanes, judge, &mut [], &AtomicBool::new(false));
+    let winner = outcome.expect("an outcome").winner.expect("a winner");
+    let found = Uncertainty::of(&problem, &log, &winner.candidate);
+    let (q, r) = (winner.candidate[0], winner.candidate[1]);
+    let slopes = |w: f64| {
+        let f = q + 2.0 * r * (1.0 - w.cos());
+        Vector2::new(q / f, 1.0 - q / f)
+    };
+    let points = 20_000;
+    let information = (0..points).map(|i| std::f64::consts::PI * (f64::from(i) + 0.5) / f64::from(points)).map(slopes);
+    let information: Matrix2<f64> =
+        information.map(|s| s * s.transpose()).sum::<Matrix2<f64>>() * (0.5 * ROWS / f64::from(points));
+    let covariance = information.try_inverse().expect("information");
+    for (i, name) in ["q", "r"].into_iter().enumerate() {
+        let expected = winner.candidate[i] * covariance[(i, i)].sqrt();
+        let relative = (error(&found, name) / expected - 1.0).abs();
+        println!(
+            "{name} = {:.5}: standard error {expected:.3e}, off by {relative:.1e} (relative)",
+            winner.candidate[i]
+        );
+        assert!(relative < 0.02, "{name}: {} instead of {expected}", error(&found, name));
+    }
+    assert_eq!(found.flat_directions.as_deref(), Some(&[][..]), "both are determined");
+    assert!(found.distance_to_optimum.is_some_and(|distance| distance < 0.015), "{found:?}");
 }

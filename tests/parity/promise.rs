@@ -1,24 +1,18 @@
 //! What is promised of a cost, and how far costs are from it.
 
 use crate::case::{Case, Costs};
-use kfgpu::evaluate::Evaluation;
+use kfgpu::evaluate::{Evaluation, Precision};
 use kfgpu::objective::Kind;
 
 /// What f64 promises: 1e-10 of a cost, or of 1 where it is smaller.
-pub(crate) fn double(_: &Case, _: Kind, expected: f64) -> f64 {
-    1e-10 * expected.abs().max(1.0)
+pub(crate) fn double(case: &Case, kind: Kind, expected: f64) -> f64 {
+    kind.resolution(Precision::F64, expected, case.log.rows())
 }
 
 /// What f32 promises (semantics.md): nll per step, f1, rmse, f2. `distance` is held to what rmse is, `nis` and `nees`,
 /// which nobody promised, to 1e-4.
 pub(crate) fn single(case: &Case, kind: Kind, expected: f64) -> f64 {
-    let rows = case.log.rows() as f64;
-    match kind {
-        Kind::Nll => 1e-5 * rows * (expected / rows).abs().max(1.0),
-        Kind::Mismatch => 1e-3,
-        Kind::Nis | Kind::Nees | Kind::NisMean | Kind::NeesMean => 1e-4 * (1.0 + expected),
-        Kind::MseInnovation | Kind::Rmse | Kind::Distance => 1e-5 * expected,
-    }
+    kind.resolution(Precision::F32, expected, case.log.rows())
 }
 
 /// Sentences on candidates that one side fails and the other does not.

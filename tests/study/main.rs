@@ -7,6 +7,7 @@ use std::sync::atomic::AtomicBool;
 use kfgpu::data::{Log, simulate};
 use kfgpu::evaluate::{CpuEvaluator, CpuOptions, Precision};
 use kfgpu::model::{Problem, TuneSpec};
+use kfgpu::objective::{Kind, Objective};
 use kfgpu::reference;
 use kfgpu::study::{self, Judge, Outcome, StopReason, Study};
 
@@ -120,4 +121,69 @@ fn threads_change_no_bit() {
         };
         assert_eq!(with(1), with(3), "{precision}");
     }
+}
+
+/// The best value of `nis` is 0, where every difference is large beside the value: the certificate measures it beside the
+/// mean NIS, of which the value is the distance from 1.
+#[test]
+fn a_cost_whose_best_value_is_0_is_certified_beside_the_mean() {
+    let (problem, log) = open("nile.toml");
+    for (kind, precision) in
+        [Kind::Nis, Kind::Mismatch].into_iter().flat_map(|k| [Precision::F64, Precision::F32].map(|p| (k, p)))
+    {
+        let mut case = (problem.clone(), log.clone());
+        case.0.tune.objectives = vec![Objective::new(kind)];
+        let outcome = tune(&case, &case.0.tune, CpuOptions { precision, threads: None });
+        let winner = outcome.winner.expect("a winner");
+        let certificate = &winner.certificate;
+        println!("{kind:?} {precision}: {:e}, {certificate:?}", winner.objectives[0]);
+        assert!(winner.objectives[0] < 1e-8, "{kind:?} {precision}: {winner:?}");
+        assert!(certificate.order_held && certificate.largest_gap < 1.0, "{kind:?} {precision}: {certificate:?}");
+        let allowed = if precision == Precision::F64 { 1e-13 } else { 1e-5 };
+        assert!(certificate.largest_relative_gap < allowed, "{kind:?} {precision}: {certificate:?}");
+        let polish = winner.polish.expect("a polish");
+        assert_eq!((polish.converged, polish.gradient_norm), (Some(true), None), "0 is the best value there is");
+    }
+}
+
+/// Twelve sensors of one walk, of a hundredfold range of noise, after a search too short to find anything: on a logarithmic
+/// scale one variance runs to 0 and pins the state to one sensor, 50 nats off. Every seed ends at the same optimum.
+#[test]
+fn many_parameters_converge_from_a_poor_search() {
+    let names: Vec<String> = (0..11).map(|i| format!("r{i}")).collect();
+    let quoted = |names: &[String]| names.iter().map(|n| format!("{n:?}")).collect::<Vec<_>>().join(", ");
+    let range = |name: &str, start: f64| {
+        format!("{name} = {{ min = {}, max = {}, scale = \"log\", start = {start} }}\n", start * 1e-4, start * 1e4)
+    };
+    let truth = |i: usize| 10.0_f64.powf(-1.0 + 0.25 * i as f64);
+    // Starts beside the truth by up to a factor of 20, in both directions.
+    let ranges = names.iter().enumerate().map(|(i, name)| range(name, truth(i) * 20.0_f64.powi(1 - i as i32 % 3)));
+    let values =
+        names.iter().enumerate().map(|(i, name)| format!("{name} = {}", truth(i))).collect::<Vec<_>>().join(", ");
+    let measurements: Vec<String> = (0..11).map(|i| format!("y{i}")).collect();
+    let text = format!(
+        "[data]\nmeasurements = [{}]\n[model]\nstate = [\"x\"]\nf = [\"x\"]\nh = [{}]\nQ = [\"q\"]\nR = [{}]\nx0 = [0]\nP0 = \
+         [100]\n[parameters]\n{}{}[simulate]\nsteps = 200\nparameters = {{ q = 0.2, {values} }}\nseed = 11\n",
+        quoted(&measurements),
+        quoted(&vec!["x".to_owned(); 11]),
+        quoted(&names),
+        range("q", 4.0),
+        ranges.collect::<String>(),
+    );
+    let problem = Problem::parse(&text, "twelve.toml").expect("a problem");
+    let log = simulate(&problem, None).expect("a log");
+    let case = (problem, log);
+    let found: Vec<f64> = (0..4)
+        .map(|seed| {
+            let spec = TuneSpec { population: 24, generations: 4, seed, ..case.0.tune.clone() };
+            let winner = tune(&case, &spec, CpuOptions::default()).winner.expect("a winner");
+            let polish = winner.polish.expect("a polish");
+            println!("seed {seed}: {:.7}, {polish:?}", winner.objectives[0]);
+            assert_eq!(polish.converged, Some(true), "seed {seed}: {polish:?}");
+            assert!(polish.before[0] - winner.objectives[0] > 1.0, "the search alone is far off");
+            winner.objectives[0]
+        })
+        .collect();
+    let [low, high] = found.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], x| [l.min(*x), h.max(*x)]);
+    assert!(high - low < 1e-4, "{found:?}");
 }

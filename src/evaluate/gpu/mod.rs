@@ -277,4 +277,8 @@ impl Evaluator for GpuEvaluator {
         let cpu = self.cpu.device();
         Device { adapter: format!("{}, after the GPU {name} failed: {failure}", cpu.adapter), ..cpu }
     }
+
+    fn rows(&self) -> usize {
+        self.cpu.rows()
+    }
 }

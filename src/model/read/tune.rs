@@ -51,7 +51,7 @@ pub(super) fn tune(document: &Fields<'_>, data: &DataSpec, states: &[String]) ->
         stall: stop_of("stall").map(|n| n.count(1, MAX_GENERATIONS)).transpose()?,
         target: stop_of("target").map(Node::number).transpose()?,
         include_start: fields.optional("include_start", Node::boolean)?.unwrap_or(default.include_start),
-        polish: fields.optional("polish", Node::boolean)?.unwrap_or(!several),
+        polish: fields.optional("polish", Node::boolean)?.unwrap_or(default.polish),
         objectives,
     })
 }

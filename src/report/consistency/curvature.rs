@@ -1,7 +1,6 @@
 //! Gradient and Hessian of a cost by central differences.
 
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
 
 /// Rounding of a cost, relative: a sum of many terms keeps all but the last few bits.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
@@ -26,8 +25,8 @@ pub(super) struct Axis {
     pub(super) longest: f64,
 }
 
-/// A cost at search coordinates; `None` where it has none.
-pub(super) type Cost<'a> = dyn Fn(&[f64]) -> Option<f64> + Sync + 'a;
+/// Costs at many points in search coordinates; `None` where there is none.
+pub(super) type Costs<'a> = dyn FnMut(&[Vec<f64>]) -> Vec<Option<f64>> + 'a;
 
 /// Evaluations of the cost that [`Curvature::of`] takes in `d` coordinates, where the second step along each axis fits.
 pub(super) const fn evaluations(d: usize) -> usize {
@@ -43,66 +42,81 @@ struct Sides {
 }
 
 impl Curvature {
-    /// Three points along each axis, and two more in each plane: the error of every entry is of second order. `None`
-    /// where the cost is not defined around the point.
-    pub(super) fn of(cost: &Cost<'_>, axes: &[Axis]) -> Option<Self> {
+    /// Three points along each axis, and two more in each plane: the error of every entry is of second order. The points of
+    /// all axes are scored together, and so are those of all planes. `None` where the cost is not defined around the point.
+    pub(super) fn of(costs: &mut Costs<'_>, axes: &[Axis]) -> Option<Self> {
         let centre: Vec<f64> = axes.iter().map(|axis| axis.at).collect();
-        let middle = cost(&centre)?;
         let shifted = |shifts: &[(usize, f64)]| {
             let mut point = centre.clone();
             shifts.iter().for_each(|&(i, shift)| point[i] += shift);
-            cost(&point).filter(|value| value.is_finite())
+            point
         };
-        let sides: Vec<Sides> = axes
-            .par_iter()
-            .enumerate()
-            .map(|(i, axis)| sides(&|shift| shifted(&[(i, shift)]), middle, axis))
-            .collect::<Option<_>>()?;
+        let middle = (*costs(std::slice::from_ref(&centre)).first()?)?;
+        let sides = sides(costs, &shifted, middle, axes)?;
         let d = axes.len();
         let planes: Vec<(usize, usize)> = (0..d).flat_map(|i| (0..i).map(move |j| (i, j))).collect();
-        let mixed = planes.par_iter().map(|&(i, j)| {
-            let (a, b) = (sides[i], sides[j]);
-            let both = shifted(&[(i, a.step), (j, b.step)])? + shifted(&[(i, -a.step), (j, -b.step)])?;
-            Some((both - a.up - a.down - b.up - b.down + 2.0 * middle) / (2.0 * a.step * b.step))
-        });
-        let mixed: Vec<f64> = mixed.collect::<Option<_>>()?;
+        let both = |&(i, j): &(usize, usize)| {
+            let (a, b) = (sides[i].step, sides[j].step);
+            [shifted(&[(i, a), (j, b)]), shifted(&[(i, -a), (j, -b)])]
+        };
+        let corners: Vec<f64> =
+            costs(&planes.iter().flat_map(both).collect::<Vec<_>>()).into_iter().collect::<Option<_>>()?;
         let mut hessian = DMatrix::from_diagonal(&DVector::from_iterator(
             d,
             sides.iter().map(|s| (s.up - 2.0 * middle + s.down) / (s.step * s.step)),
         ));
-        for (&(i, j), value) in planes.iter().zip(mixed) {
-            hessian[(i, j)] = value;
-            hessian[(j, i)] = value;
+        for (&(i, j), corners) in planes.iter().zip(corners.chunks_exact(2)) {
+            let (a, b) = (sides[i], sides[j]);
+            let bent = corners[0] + corners[1] - a.up - a.down - b.up - b.down + 2.0 * middle;
+            hessian[(i, j)] = bent / (2.0 * a.step * b.step);
+            hessian[(j, i)] = hessian[(i, j)];
         }
         let gradient = DVector::from_iterator(d, sides.iter().map(|s| (s.up - s.down) / (2.0 * s.step)));
         Some(Self { gradient, hessian })
     }
 }
 
-/// Finds the step along one axis whose second difference is about [`RISE`], or enough to stand out of rounding.
-fn sides(cost: &impl Fn(f64) -> Option<f64>, middle: f64, axis: &Axis) -> Option<Sides> {
+/// Finds the step along each axis whose second difference is about [`RISE`], or enough to stand out of rounding.
+fn sides(
+    costs: &mut Costs<'_>,
+    shifted: &dyn Fn(&[(usize, f64)]) -> Vec<f64>,
+    middle: f64,
+    axes: &[Axis],
+) -> Option<Vec<Sides>> {
     let goal = 2.0 * RISE.max(1e4 * ROUNDING * middle.abs());
-    let mut step = axis.first.min(axis.longest);
-    let mut tries = 1;
-    loop {
-        let (up, down) = (cost(step), cost(-step));
-        let rise = match (up, down) {
-            (Some(up), Some(down)) => (up - 2.0 * middle + down).abs(),
-            // Beyond what the filter can run with: a shorter step.
-            _ => f64::INFINITY,
-        };
-        let enough = (0.25 * goal..4.0 * goal).contains(&rise) || (rise < goal && step >= axis.longest);
-        if enough || tries == TRIES {
-            return Some(Sides { step, up: up?, down: down? });
+    let mut found: Vec<Option<Sides>> = vec![None; axes.len()];
+    let mut steps: Vec<f64> = axes.iter().map(|axis| axis.first.min(axis.longest)).collect();
+    for tries in 1..=TRIES {
+        let open: Vec<usize> = (0..axes.len()).filter(|i| found[*i].is_none()).collect();
+        if open.is_empty() {
+            break;
         }
-        step = (step * (goal / rise).sqrt().clamp(1e-3, 1e2)).min(axis.longest);
-        tries += 1;
+        let pair = |&i: &usize| [shifted(&[(i, steps[i])]), shifted(&[(i, -steps[i])])];
+        let scored = costs(&open.iter().flat_map(pair).collect::<Vec<_>>());
+        for (&i, pair) in open.iter().zip(scored.chunks_exact(2)) {
+            let (step, longest) = (steps[i], axes[i].longest);
+            let rise = match (pair[0], pair[1]) {
+                (Some(up), Some(down)) => (up - 2.0 * middle + down).abs(),
+                // Beyond what the filter can run with: a shorter step.
+                _ => f64::INFINITY,
+            };
+            let enough = (0.25 * goal..4.0 * goal).contains(&rise) || (rise < goal && step >= longest);
+            if enough || tries == TRIES {
+                found[i] = Some(Sides { step, up: pair[0]?, down: pair[1]? });
+            }
+            steps[i] = (step * (goal / rise).sqrt().clamp(1e-3, 1e2)).min(longest);
+        }
     }
+    found.into_iter().collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn curvature(cost: &dyn Fn(&[f64]) -> Option<f64>, at: &[f64]) -> Option<Curvature> {
+        Curvature::of(&mut |points| points.iter().map(|point| cost(point)).collect(), &axes(at))
+    }
 
     fn axes(at: &[f64]) -> Vec<Axis> {
         at.iter().map(|at| Axis { at: *at, first: 0.01, longest: 10.0 }).collect()
@@ -115,7 +129,7 @@ mod tests {
         {
             let cost =
                 move |x: &[f64]| Some(constant + scale * (x[0].cosh() + (x[0] * x[1]).exp() + 2.0 * x[1].cosh()));
-            let found = Curvature::of(&cost, &axes(&[0.3, -0.2])).expect("defined everywhere");
+            let found = curvature(&cost, &[0.3, -0.2]).expect("defined everywhere");
             let product = (-0.06f64).exp();
             let expected = DMatrix::from_row_slice(
                 2,
@@ -138,11 +152,11 @@ mod tests {
     #[test]
     fn a_flat_axis_takes_its_longest_step_and_a_wall_shortens_one() {
         let cost = |x: &[f64]| Some(1_000.0 + x[0] * x[0]);
-        let found = Curvature::of(&cost, &axes(&[0.0, 5.0])).expect("defined everywhere");
+        let found = curvature(&cost, &[0.0, 5.0]).expect("defined everywhere");
         assert!(found.hessian[(1, 1)].abs() < 1e-10 && (found.hessian[(0, 0)] - 2.0).abs() < 1e-5, "{found:?}");
         let wall = |x: &[f64]| (x[0].abs() < 1e-4).then(|| 1.0 + 1e6 * x[0] * x[0]);
-        let found = Curvature::of(&wall, &axes(&[0.0])).expect("defined close to the point");
+        let found = curvature(&wall, &[0.0]).expect("defined close to the point");
         assert!((found.hessian[(0, 0)] / 2e6 - 1.0).abs() < 1e-6, "{found:?}");
-        assert_eq!(Curvature::of(&|_: &[f64]| None, &axes(&[0.0])), None, "defined nowhere");
+        assert_eq!(curvature(&|_: &[f64]| None, &[0.0]), None, "defined nowhere");
     }
 }

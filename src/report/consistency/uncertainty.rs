@@ -2,7 +2,7 @@
 //!
 //! At the optimum of `nll` the inverse of its Hessian is the asymptotic covariance of the parameters (Durbin and Koopman
 //! 2012, *Time Series Analysis by State Space Methods*, section 7.3.6), if the model is right. The Hessian is taken in
-//! search coordinates, of the f64 reference; a parameter at its bound is held there.
+//! search coordinates, by differences that the f64 lanes score in batches; a parameter at its bound is held there.
 
 use std::fmt;
 
@@ -11,10 +11,9 @@ use serde::Serialize;
 
 use super::curvature::{Axis, Curvature, evaluations};
 use crate::data::Log;
-use crate::evaluate::Population;
+use crate::evaluate::{CpuEvaluator, CpuOptions, Evaluator, Population};
 use crate::model::{Parameter, Problem, Scale, Search};
 use crate::objective::{Kind, Objective};
-use crate::reference;
 use crate::report::{Bound, Named, short};
 use crate::study::Coordinates;
 
@@ -24,8 +23,9 @@ const NEAR: f64 = 0.3;
 const INVOLVED: f64 = 0.01;
 /// Share below which a parameter is not named with a flat direction.
 const NAMED: f64 = 0.05;
-/// Most work for a Hessian, in rows x (n^3 + 100) of all its filter runs: a few seconds of one core.
-const WORK: f64 = 4e8;
+/// Most work for a Hessian, in operations of the lanes: about a minute of one core. A search of 15,616 evaluations takes
+/// more than the Hessian of 120 parameters.
+const WORK: f64 = 2e11;
 
 /// How well the rows that a filter was tuned on determine its parameters. All are null (JSON) where not computed.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
@@ -64,8 +64,8 @@ struct Free<'a> {
 }
 
 impl Uncertainty {
-    /// Of `candidate` (searched parameters in their own units), tuned on `log`. It takes about d (d + 5) runs of the
-    /// reference for d parameters, on all threads.
+    /// Of `candidate` (searched parameters in their own units), tuned on `log`. It takes about d (d + 5) evaluations for d
+    /// parameters, on all threads.
     ///
     /// # Panics
     /// If `candidate` does not have one value per searched parameter.
@@ -74,16 +74,17 @@ impl Uncertainty {
         if candidate.is_empty() {
             return Self::default();
         }
+        let units = Coordinates::new(&problem.parameters, false).units(candidate);
         let searched = problem.parameters.searched().zip(candidate).enumerate();
         let (free, held): (Vec<_>, Vec<_>) = searched
             .map(|(index, ((parameter, search), value))| {
-                (Free { index, parameter, search, unit: unit(search, *value) }, Bound::of(search, *value))
+                (Free { index, parameter, search, unit: units[index] }, Bound::of(search, *value))
             })
             .partition(|(_, bound)| bound.is_none());
         let free: Vec<Free> = free.into_iter().map(|(free, _)| free).collect();
         let held: Vec<&str> = held.iter().map(|(held, _)| held.parameter.name.as_str()).collect();
-        let found = affordable(problem, log, free.len())
-            .and_then(|()| curvature(problem, log, candidate, &free))
+        let found = lanes(problem, log, free.len())
+            .and_then(|mut lanes| curvature(problem, &mut lanes, candidate, &free))
             .and_then(|curvature| Shape::of(&curvature, &free));
         let mut uncertainty = match found {
             Ok(shape) => shape.report(problem, candidate, &free),
@@ -97,54 +98,53 @@ impl Uncertainty {
     }
 }
 
-/// Refuses where every parameter is held, or the runs would take too long.
-fn affordable(problem: &Problem, log: &Log, free: usize) -> Result<(), String> {
+/// The f64 evaluator of the nll that was tuned, with its `skip`, if it was. Refuses where every parameter is held, or the
+/// evaluations would take too long.
+fn lanes(problem: &Problem, log: &Log, free: usize) -> Result<CpuEvaluator, String> {
     if free == 0 {
         return Err("every parameter is at a bound".to_owned());
     }
+    let tuned = problem.tune.objectives.iter().find(|objective| objective.kind == Kind::Nll);
+    let likelihood = [tuned.cloned().unwrap_or_else(|| Objective::new(Kind::Nll))];
+    let lanes = CpuEvaluator::with_objectives(problem, log, &likelihood, CpuOptions::default());
+    let lanes = lanes.map_err(|error| error.to_string())?;
     let runs = evaluations(free);
-    let n = problem.model.states.len() as f64;
-    let work = runs as f64 * log.rows() as f64 * (n.powi(3) + 100.0);
-    if work <= WORK {
-        return Ok(());
+    if runs as f64 * log.rows() as f64 * lanes.program().step.operations.len() as f64 > WORK {
+        let rows = log.rows();
+        return Err(format!("they would take {runs} evaluations over {rows} rows (tune fewer parameters)"));
     }
-    Err(format!("they would take {runs} runs of the f64 reference over {} rows (tune fewer parameters)", log.rows()))
+    Ok(lanes)
 }
 
 /// Derivatives of `nll` in the search coordinates of the free parameters.
-fn curvature(problem: &Problem, log: &Log, candidate: &[f64], free: &[Free]) -> Result<Curvature, String> {
-    let mut likelihood = problem.clone();
-    // The nll that was tuned, with its `skip`, if it was.
-    let tuned = problem.tune.objectives.iter().find(|objective| objective.kind == Kind::Nll);
-    likelihood.tune.objectives = vec![tuned.cloned().unwrap_or_else(|| Objective::new(Kind::Nll))];
+fn curvature(
+    problem: &Problem,
+    lanes: &mut CpuEvaluator,
+    candidate: &[f64],
+    free: &[Free],
+) -> Result<Curvature, String> {
     let coordinates = Coordinates::new(&problem.parameters, false);
     let (space, position) = (coordinates.space(), coordinates.position(candidate));
+    let steps = coordinates.steps(candidate);
     let axes: Vec<Axis> = free
         .iter()
-        .map(|Free { index, search, unit, .. }| {
+        .map(|Free { index, unit, .. }| {
             let at = position[*index];
             let room = (at - space.lower[*index]).min(space.upper[*index] - at);
-            let first = if search.scale == Scale::Log { 0.01 } else { 0.01 * at.abs() };
-            Axis { at, first: if first > 0.0 { first } else { 1e-3 * unit }, longest: unit.min(room) }
+            Axis { at, first: steps[*index], longest: unit.min(room) }
         })
         .collect();
-    let cost = |point: &[f64]| {
-        let mut position = position.clone();
-        free.iter().zip(point).for_each(|(free, x)| position[free.index] = *x);
-        let moved = coordinates.candidates(&Population::from_rows(position.len(), position));
-        reference::costs(&likelihood, log, moved.row(0)).ok().map(|costs| costs[0]).filter(|nll| nll.is_finite())
+    let mut costs = |points: &[Vec<f64>]| -> Vec<Option<f64>> {
+        let mut positions = Population::new(position.len());
+        for point in points {
+            let mut moved = position.clone();
+            free.iter().zip(point).for_each(|(free, x)| moved[free.index] = *x);
+            positions.push(&moved);
+        }
+        let scored = lanes.evaluate(&coordinates.candidates(&positions));
+        (0..scored.len()).map(|i| scored.status(i).is_ok().then(|| scored.costs(i)[0])).collect()
     };
-    Curvature::of(&cost, &axes).ok_or_else(|| "nll is not finite everywhere around these parameters".to_owned())
-}
-
-/// A length in search coordinates beyond which a parameter counts as unknown.
-fn unit(search: &Search, value: f64) -> f64 {
-    let width = if search.max.is_finite() { search.max - search.min } else { search.init[1] - search.init[0] };
-    match search.scale {
-        Scale::Log => std::f64::consts::LN_10,
-        Scale::Linear if width > 0.0 => 0.5 * width,
-        Scale::Linear => value.abs().max(1.0),
-    }
+    Curvature::of(&mut costs, &axes).ok_or_else(|| "nll is not finite everywhere around these parameters".to_owned())
 }
 
 /// The eigenvalues and directions of the Hessian, in units of the parameters.

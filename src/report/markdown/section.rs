@@ -210,7 +210,22 @@ pub(super) fn search(tuning: &Tuning) -> Option<String> {
         significant(c.largest_relative_gap, 2)
     );
     if let Some(polish) = &tuning.polish {
-        text += &format!(" A local search of {} evaluations ended it.", polish.evaluations);
+        let starts = counted(polish.starts, "start");
+        text +=
+            &format!(" Local searches from {starts} ended it, with {} evaluations.", count(polish.evaluations as u64));
+        text += &match (tuning.converged, tuning.gradient_norm, &polish.note) {
+            (Some(true), Some(norm), _) => format!(
+                " They converged: by its gradient the result is {} standard errors from the optimum.",
+                short(norm, 2)
+            ),
+            (Some(false), _, Some(note)) => format!(" **They did not converge**: {}.", plain(note)),
+            (None, _, Some(note)) => format!(" Whether they converged is not known: {}.", plain(note)),
+            _ => String::new(),
+        };
+        if !polish.left_at_start.is_empty() {
+            let names: Vec<String> = polish.left_at_start.iter().map(|name| format!("`{name}`")).collect();
+            text += &format!(" The cost does not depend on {}: left at the start.", names.join(" and "));
+        }
     }
     Some(text)
 }

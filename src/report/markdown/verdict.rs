@@ -44,6 +44,10 @@ fn with_gain(tuning: &Tuning, standing: &str) -> String {
     if !tuning.certificate.order_held {
         let precision = tuning.effort.device.precision.clone();
         format!("Check before use: {}.", Warning::OrderChanged { precision })
+    } else if tuning.converged == Some(false) {
+        let note =
+            tuning.polish.as_ref().and_then(|polish| polish.note.as_deref()).unwrap_or("the search stopped short");
+        format!("The tuned parameters {standing}, but they are no optimum yet: {note}.")
     } else if !tuning.consistency.is_consistent() {
         let headline = tuning.consistency.verdict;
         format!("The tuned parameters {standing}, but the filter is not yet right: {headline}.")

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::{FrontMember, Landmarks};
 use crate::model::Pick;
 use crate::optimize::pareto::dominates;
-use crate::study::finish::{Bounds, Certificate, ORDER_TOLERANCE, Verdict, relative_gap};
+use crate::study::finish::{Bounds, Certificate, ORDER_TOLERANCE, Verdict};
 use crate::study::{Oracle, Scored};
 
 /// A front by the oracle.
@@ -44,8 +44,8 @@ pub(in crate::study) fn certify(
     let recommended = kept[landmarks.recommended];
     let certificate = Certificate {
         dropped: pairs.len() - kept.len(),
-        order_held: pairs.len() == front.len() && order_held(&pairs),
-        ..Certificate::over(front.len(), &pairs, recommended)
+        order_held: pairs.len() == front.len() && order_held(&pairs, bounds),
+        ..Certificate::over(front.len(), &pairs, recommended, bounds)
     };
     let members = kept.into_iter().map(|(m, v)| member(m, v)).collect();
     Some(Certified { members, landmarks, certificate })
@@ -63,13 +63,18 @@ fn member(search: &Scored, exact: &Verdict) -> FrontMember {
 
 /// Whether the oracle leaves every member where the search put it: none turns out infeasible or dominated by another, by
 /// more than what counts as equal.
-fn order_held(pairs: &[(&Scored, &Verdict)]) -> bool {
+fn order_held(pairs: &[(&Scored, &Verdict)], bounds: Bounds<'_>) -> bool {
     let infeasible =
         |(search, exact): &(&Scored, &Verdict)| search.violation <= 0.0 && exact.violation > ORDER_TOLERANCE;
     let overturned = |(a, exact_a): &(&Scored, &Verdict), (b, exact_b): &(&Scored, &Verdict)| {
         dominates(&exact_a.objectives, &exact_b.objectives)
             && !dominates(&a.costs, &b.costs)
-            && exact_a.objectives.iter().zip(&exact_b.objectives).any(|(a, b)| relative_gap(*a, *b) >= ORDER_TOLERANCE)
+            && exact_a
+                .objectives
+                .iter()
+                .zip(&exact_b.objectives)
+                .enumerate()
+                .any(|(j, (a, b))| bounds.apart(j, *a, *b) >= 1.0)
     };
     !pairs.iter().any(infeasible) && !pairs.iter().any(|a| pairs.iter().any(|b| overturned(a, b)))
 }

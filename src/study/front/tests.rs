@@ -101,7 +101,7 @@ fn scored(costs: &[[f64; 2]]) -> Vec<Scored> {
     costs.iter().enumerate().map(member).collect()
 }
 
-const TWO: Bounds<'_> = Bounds { objectives: 2, constraints: &[] };
+const TWO: Bounds<'_> = Bounds { objectives: 2, kinds: &[], constraints: &[], rows: 1 };
 
 #[test]
 fn the_oracle_filters_the_front_again() {
@@ -131,7 +131,7 @@ fn a_dominance_within_single_precision_is_no_overturn() {
 #[test]
 fn members_must_meet_the_constraints_by_the_oracle() {
     let constraints = [Constraint { measure: Objective::new(Kind::NisMean), relation: Relation::AtMost, limit: 1.2 }];
-    let bounds = Bounds { objectives: 2, constraints: &constraints };
+    let bounds = Bounds { constraints: &constraints, ..TWO };
     let search = scored(&[[0.0, 3.0], [1.0, 2.0], [2.0, 1.0]]);
     let with = |nis: [f64; 3]| {
         let search = &search;

@@ -193,5 +193,5 @@ fn several_objectives_default_to_a_method_for_fronts() {
         (tune.algorithm, tune.polish)
     };
     assert_eq!(algorithm("[\"nll\"]"), ("pso".to_owned(), true));
-    assert_eq!(algorithm("[\"nll\", \"nis\"]"), ("nsga2".to_owned(), false));
+    assert_eq!(algorithm("[\"nll\", \"nis\"]"), ("nsga2".to_owned(), true));
 }

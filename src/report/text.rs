@@ -8,6 +8,7 @@ use super::{
 };
 use crate::evaluate::Device;
 use crate::study::StopReason;
+use crate::words::counted;
 
 /// Digits of parameters and objectives.
 const DIGITS: usize = 8;
@@ -179,11 +180,6 @@ impl Tuning {
         };
         Some(line)
     }
-}
-
-/// "1 start", "2 starts".
-pub(super) fn counted(number: usize, what: &str) -> String {
-    format!("{} {what}{}", count(number as u64), if number == 1 { "" } else { "s" })
 }
 
 /// "a", "a and b", "a, b and c".

@@ -6,6 +6,7 @@ use crate::report::front::{held_out_cells, nis_cell, objective_columns};
 use crate::report::text::ended;
 use crate::report::validation::improvement_text;
 use crate::report::{ConstraintCheck, Effort, Gain, Matrices, Named, Rows, Tuning, count, seconds, short, significant};
+use crate::words::counted;
 
 /// Digits of parameters and objectives.
 const DIGITS: usize = 8;

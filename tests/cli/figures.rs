@@ -31,7 +31,7 @@ fn tune_draws_what_makes_sense_and_leaves_nothing_of_an_earlier_run() {
     let figures = folder.path("out/figures");
     fs::create_dir_all(&figures).unwrap();
     fs::write(figures.join("front.svg"), "of an earlier run").unwrap();
-    folder.run(&["tune", "problem.toml", "--generations", "3", "--out", "out"]).expect(0);
+    folder.run(&["tune", "problem.toml", "--generations", "3", "--out", "out", "--force"]).expect(0);
     assert_eq!(pictures(&figures), names(&["convergence.svg", "landscape.svg"]));
     folder.run(&["tune", "problem.toml", "--algorithm", "random", "--objectives", "nll,nis", "--out", "out"]).expect(0);
     let of_fronts = ["convergence.svg", "landscape.svg", "front.svg", "parameters.svg", "hypervolume.svg"];

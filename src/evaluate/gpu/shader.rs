@@ -9,7 +9,8 @@ use crate::tape::wgsl::{Printer, WgslError, literal};
 use std::fmt::Write;
 
 /// A mask of lower bits splits every so many steps.
-const _: () = assert!(f32::STEPS_PER_SPLIT.is_power_of_two() && f64::STEPS_PER_SPLIT.is_power_of_two());
+const _: () =
+    assert!(f32::STEPS_PER_SPLIT.is_power_of_two() && f64::STEPS_PER_SPLIT.is_power_of_two(), "a mask of lower bits");
 
 const SKELETON: &str = include_str!("../../../shaders/filter.wgsl");
 

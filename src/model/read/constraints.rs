@@ -2,8 +2,8 @@
 
 use super::node::{Node, shorten};
 use super::objectives;
-use crate::model::{DataSpec, Span};
 use crate::model::error::{Cause, Fault};
+use crate::model::{DataSpec, Span};
 use crate::objective::{Constraint, Kind, Objective, Relation};
 
 const EXPECTED: &str = "a name, <= or >=, and a number, such as \"nis_mean <= 1.2\" or \"0.8 <= nis_mean <= 1.2\", or a table with `name` \

@@ -68,11 +68,7 @@ pub struct FrontSummary {
 
 /// Members and summary of an outcome's front, re-scored on held-out rows where there are any; `None` without a front.
 #[must_use]
-pub fn front(
-    problem: &Problem,
-    outcome: &Outcome,
-    split: &Split,
-) -> Option<(Vec<FrontPoint>, FrontSummary)> {
+pub fn front(problem: &Problem, outcome: &Outcome, split: &Split) -> Option<(Vec<FrontPoint>, FrontSummary)> {
     let landmarks = outcome.landmarks.as_ref()?;
     let names: Vec<&str> = problem.tune.objectives.iter().map(Objective::name).collect();
     let point = |(i, member): (usize, &FrontMember)| {
@@ -193,7 +189,8 @@ impl FrontSummary {
             match self.given_up.get(name).copied().flatten() {
                 _ if *value <= best => format!("{name} at its best"),
                 Some(nats) if name == "nll" => {
-                    let row = self.given_up_nats_per_row.map_or_else(String::new, |v| format!(" ({} a row)", short(v, 2)));
+                    let row =
+                        self.given_up_nats_per_row.map_or_else(String::new, |v| format!(" ({} a row)", short(v, 2)));
                     format!("nll {} nats above its best{row}", short(nats, 3))
                 }
                 // A best close to 0 makes any share of it large and meaningless.
@@ -201,13 +198,19 @@ impl FrontSummary {
                 _ => format!("{name} {} (best {})", short(*value, 3), short(best, 3)),
             }
         };
-        format!("{}: {}", self.picked(), recommended.objectives.iter().map(part).collect::<Vec<_>>().join(", "))
+        format!(
+            "{}: {}",
+            self.picked(recommended),
+            recommended.objectives.iter().map(part).collect::<Vec<_>>().join(", ")
+        )
     }
 
     /// What was picked, and from which members where not from all.
-    fn picked(&self) -> String {
+    fn picked(&self, recommended: &FrontPoint) -> String {
         let is = |what: &str| format!("{} of the members that {what}", self.pick);
         match self.among {
+            // That of the whole front too.
+            _ if recommended.marks.contains(&self.pick) => self.pick.clone(),
             _ if !matches!(self.pick.as_str(), "knee" | "most even") => self.pick.clone(),
             Among::All => self.pick.clone(),
             Among::Dominating => is("dominate the baseline"),
@@ -286,7 +289,7 @@ pub(super) fn held_out_cells(point: &FrontPoint, validated: bool, digits: usize)
 
 /// A member's mean NIS.
 pub(super) fn nis_cell(point: &FrontPoint) -> String {
-    point.nis_mean.map_or_else(String::new, |nis| short(nis, 3))
+    point.nis_mean.map_or_else(String::new, |nis| significant(nis, 3))
 }
 
 fn table(points: &[FrontPoint], shown: &[usize], validated: bool) -> TextTable {
@@ -346,8 +349,12 @@ mod tests {
         let line = knee.given_up_line(&member);
         assert_eq!(line, "knee: nll 3.2 nats above its best (0.016 a row), rmse 1.1 % above its best");
         (knee.among, knee.consistent) = (Among::ConsistentAndDominating, Some(1));
-        let line = knee.given_up_line(&member);
-        assert!(line.starts_with("knee of the members that are consistent and dominate the baseline: nll 3.2"), "{line}");
+        assert_eq!(knee.given_up_line(&member), line, "the knee of the whole front too");
+        let line = knee.given_up_line(&point(0, [-96.8, 2.022], &["recommended"]));
+        assert!(
+            line.starts_with("knee of the members that are consistent and dominate the baseline: nll 3.2"),
+            "{line}"
+        );
         let text = knee.text(&[member], false);
         assert!(text.ends_with(" 1 of 1 is consistent (mean NIS in its 95 % band).\n"), "{text}");
         let end = summary("best nll", [-5.0, 1e-9], [Some(0.0), Some(4e7)]);
@@ -387,13 +394,16 @@ mod tests {
         let expected = "q,nll,rmse,nis_mean,marks\n1,1.5,2,,best nll\n2,2.5,1,0.95,recommended; knee\n";
         assert_eq!(written(&points), expected);
         points[1].held_out = Some(Named::new(["nll", "rmse"], [3.5, 4.0]));
-        let expected =
-            "q,nll,rmse,held_out.nll,held_out.rmse,nis_mean,marks\n1,1.5,2,,,,best nll\n2,2.5,1,3.5,4,0.95,recommended; knee\n";
+        let expected = "q,nll,rmse,held_out.nll,held_out.rmse,nis_mean,marks\n1,1.5,2,,,,best nll\n2,2.5,1,3.5,4,0.95,recommended; knee\n";
         assert_eq!(written(&points), expected);
         let text = summary("knee", [1.5, 1.0], [None, None]).text(&points, true);
         assert!(text.starts_with("Front, training rows beside held-out rows, f64 (2 members):"), "{text}");
         let line = |i: usize| text.lines().nth(i).map(|line| line.split_whitespace().collect::<Vec<_>>().join(" "));
-        assert_eq!(line(1).as_deref(), Some("nll, training rmse, training nll, held out rmse, held out NIS q"), "{text}");
-        assert_eq!(line(3).as_deref(), Some("2.50000 1.00000 3.50000 4.00000 0.95 2 recommended, knee"), "{text}");
+        assert_eq!(
+            line(1).as_deref(),
+            Some("nll, training rmse, training nll, held out rmse, held out NIS q"),
+            "{text}"
+        );
+        assert_eq!(line(3).as_deref(), Some("2.50000 1.00000 3.50000 4.00000 0.950 2 recommended, knee"), "{text}");
     }
 }

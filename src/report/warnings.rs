@@ -200,3 +200,27 @@ impl fmt::Display for Warning {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_of_different_units_are_not_added_in_silence() {
+        let examples = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+        let warnings = |name: &str, objectives: &str| {
+            let text = std::fs::read_to_string(examples.join(name)).unwrap();
+            let start = text.find("objectives = ").unwrap();
+            let end = start + text[start..].find('\n').unwrap();
+            let text = format!("{}objectives = {objectives}{}", &text[..start], &text[end..]);
+            mixed_units(&Problem::parse(&text, name).unwrap()).iter().map(ToString::to_string).collect::<Vec<_>>()
+        };
+        let said = warnings("rocket.toml", "[\"nll\", \"rmse\"]");
+        let expected = "rmse adds the errors of d, v, a as numbers, though their units differ (name those that count: \
+                        { name = \"rmse\", states = [\"d\"] })";
+        assert_eq!(said, [expected]);
+        let none = Vec::<String>::new();
+        assert_eq!(warnings("rocket.toml", "[{ name = \"rmse\", states = [\"d\"] }]"), none);
+        assert_eq!(warnings("tum_fr2_desk.toml", "[\"rmse\"]"), none, "positions alone have truth");
+    }
+}

@@ -65,6 +65,31 @@ fn several_objectives_give_a_front_with_a_recommended_member() {
     assert_eq!(again["objectives"]["nll"], json["objectives"]["nll"], "tuned.toml runs and is the recommended member");
 }
 
+/// A knee knows costs alone; what is recommended has a mean NIS in its band where any member has, and dominates the start
+/// where any of those does.
+#[test]
+fn the_recommended_knee_is_consistent_where_one_is() {
+    let folder = Folder::with_level();
+    let json = run(&folder, &["--algorithm", "nsga2", "--out", "out"]).expect(0).json();
+    let front = json["front"].as_array().unwrap();
+    let (recommended, knee) = (marked(front, "recommended"), marked(front, "knee"));
+    let consistent = front.iter().filter(|point| point["consistent"] == true).count();
+    assert!(consistent > 0 && consistent < front.len(), "{consistent} of {}", front.len());
+    assert_eq!(json["front_summary"]["consistent"], consistent);
+    assert!(recommended["consistent"] == true && knee["consistent"] == false, "{recommended} {knee}");
+    assert_eq!(json["front_summary"]["among"], "consistent_and_dominating");
+    assert_eq!(
+        (&json["parameters"], &json["consistency"]["nis_mean"]),
+        (&recommended["parameters"], &recommended["nis_mean"])
+    );
+    let found = json["certificate"]["objectives_f64"]["nll"].as_f64();
+    assert_eq!(found, recommended["objectives"]["nll"].as_f64(), "the certificate is of what is recommended");
+    for name in ["nll", "mse_innovation"] {
+        let value = |of: &Value| of["objectives"][name].as_f64().unwrap();
+        assert!(value(recommended) <= value(&json["baseline"]), "{name}");
+    }
+}
+
 #[test]
 fn the_text_report_names_what_is_given_up() {
     let folder = Folder::with_level();
@@ -123,7 +148,10 @@ fn the_front_is_scored_on_held_out_rows() {
     assert!(text.contains("Front, training rows beside held-out rows, f64 ("), "{text}");
     assert!(text.contains("nll, training") && text.contains("nll, held out"), "{text}");
     let table = folder.read("out/front.csv");
-    assert!(table.starts_with("q,r,nll,mse_innovation,held_out.nll,held_out.mse_innovation,nis_mean,marks\n"), "{table}");
+    assert!(
+        table.starts_with("q,r,nll,mse_innovation,held_out.nll,held_out.mse_innovation,nis_mean,marks\n"),
+        "{table}"
+    );
 }
 
 #[test]

@@ -2,8 +2,8 @@
 
 use super::node::Node;
 use super::objectives;
-use crate::model::{DataSpec, Span};
 use crate::model::error::{Cause, Fault};
+use crate::model::{DataSpec, Span};
 use crate::objective::{Constraint, Kind, Objective, Relation};
 use crate::words::shorten;
 

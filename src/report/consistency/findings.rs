@@ -185,9 +185,9 @@ fn distributed(c: &Consistency) -> Option<Finding> {
 
 fn at_bound(name: &str, search: &Search, value: f64) -> Option<Finding> {
     let side = Bound::of(search, value)?;
-    let bound = side.value(search);
+    let (value, bound) = (short(value, 5), short(side.value(search), 6));
     let advice = format!(
-        "{name} = {value:.4e} is at its {side} bound {bound}: the optimum lies beyond it, or the model does not need it \
+        "{name} = {value} is at its {side} bound {bound}: the optimum lies beyond it, or the model does not need it \
          (widen the bound; if it runs on, change the model)"
     );
     Some(Finding { verdict: Verdict::ParameterAtBound, advice })

@@ -83,8 +83,8 @@ pub(super) fn broken<R, T: Copy, I: IntoIterator<Item = T>>(
     time: impl Fn(&R) -> f64,
     of: impl Fn(&R) -> I,
     gap: T,
-) -> impl Iterator<Item = T> {
-    let longest = GAP * usual(rows.windows(2).map(|pair| time(&pair[1]) - time(&pair[0])).collect());
+) -> std::vec::IntoIter<T> {
+    let longest = longest(rows.iter().map(&time));
     let mut drawn = Vec::with_capacity(rows.len());
     for (i, row) in rows.iter().enumerate() {
         if i > 0 && time(row) - time(&rows[i - 1]) > longest {
@@ -95,10 +95,13 @@ pub(super) fn broken<R, T: Copy, I: IntoIterator<Item = T>>(
     drawn.into_iter()
 }
 
-/// The interval that 19 in 20 do not exceed: one that a log takes now and then, as every weekend, is usual.
-fn usual(mut intervals: Vec<f64>) -> f64 {
+/// The interval between times that is no gap yet: so many times that which 19 in 20 do not exceed. One that a log takes
+/// now and then, as every weekend, is usual.
+pub(super) fn longest(times: impl Iterator<Item = f64>) -> f64 {
+    let times: Vec<f64> = times.collect();
+    let mut intervals: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
     intervals.sort_by(f64::total_cmp);
-    intervals.get(intervals.len() * 19 / 20).copied().unwrap_or(f64::INFINITY)
+    GAP * intervals.get(intervals.len() * 19 / 20).copied().unwrap_or(f64::INFINITY)
 }
 
 #[cfg(test)]

@@ -257,3 +257,27 @@ fn lines(svg: &mut Svg, path: &str) {
         svg.stroke(path, Stroke::new(Colour::Black).width(1.0));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Axis, Marker};
+    use super::*;
+
+    #[test]
+    fn a_map_has_one_scale() {
+        for points in [[(0.0, 0.0), (1000.0, 3.0)], [(5.0, -1e6), (6.0, 1e6)]] {
+            let panel =
+                Panel::new(Axis::new("e"), Axis::new("n")).equal().points("", (Marker::Dot, Colour::Grey), points);
+            let mut placed = [place(&panel, 300.0).unwrap()];
+            for _ in 0..2 {
+                across(&mut placed, 1, 700.0);
+            }
+            let Window { x, y, width, height } = placed[0].window;
+            let [across, up] = [(x.high - x.low) / width, (y.high - y.low) / height];
+            assert!((across / up - 1.0).abs() < 1e-12, "{across} and {up} a pixel");
+            let [from, to] = points;
+            let inside = [x.share(from.0), x.share(to.0), y.share(from.1), y.share(to.1)];
+            assert!(inside.iter().flatten().all(|share| (0.0..=1.0).contains(share)), "{inside:?}");
+        }
+    }
+}

@@ -1,5 +1,6 @@
 //! A track from above: one state of a place against the other.
 
+use super::envelope::broken;
 use super::run_record::MOST;
 use super::{Axis, Colour, Figure, Marker, Panel, Stroke};
 use crate::data::{Log, Trajectory};
@@ -55,6 +56,7 @@ impl Axes {
 pub(super) struct Plan {
     axes: Axes,
     every: usize,
+    times: Vec<f64>,
     estimate: Vec<(f64, f64)>,
     measured: Vec<(f64, f64)>,
     truth: Vec<(f64, f64)>,
@@ -66,7 +68,7 @@ impl Plan {
     pub(super) fn new(axes: Axes, length: usize) -> Self {
         let none = Vec::new;
         let every = length.div_ceil(ROWS).max(1);
-        Self { axes, every, estimate: none(), measured: none(), truth: none(), smoothed: none() }
+        Self { axes, every, times: Vec::new(), estimate: none(), measured: none(), truth: none(), smoothed: none() }
     }
 
     pub(super) fn add(&mut self, trajectory: &Trajectory, step: &Step) {
@@ -74,6 +76,7 @@ impl Plan {
             return;
         }
         let pair = |values: &[f64], [i, j]: [usize; 2]| (values[i], values[j]);
+        self.times.push(step.time);
         self.estimate.push(pair(step.posterior.x.as_slice(), self.axes.states));
         self.measured.extend(self.axes.measured.map(|at| pair(trajectory.z.row(step.row), at)));
         self.truth.extend(self.axes.truth.map(|at| pair(trajectory.truth.row(step.row), at)));
@@ -86,6 +89,12 @@ impl Plan {
         }
     }
 
+    /// Points with a gap between rows that are far apart in time.
+    fn course(&self, points: &[(f64, f64)]) -> impl Iterator<Item = (f64, f64)> {
+        let rows: Vec<(f64, (f64, f64))> = self.times.iter().copied().zip(points.iter().copied()).collect();
+        broken(&rows, |row| row.0, |row| std::iter::once(row.1), (f64::NAN, f64::NAN))
+    }
+
     /// The track with its measurements, truth and smoothed course where they are there, in one scale for both axes.
     pub(super) fn draw(&self, figure: Figure, problem: &Problem, [truth, smoothed]: [Stroke; 2]) -> Figure {
         let [x, y] = self.axes.states.map(|state| Axis::new(&problem.model.states[state]));
@@ -95,12 +104,12 @@ impl Plan {
             panel = panel.points("measured", (Marker::Dot, Colour::Grey), self.measured.iter().copied());
         }
         if has_any(&self.truth) {
-            panel = panel.line("truth", truth, self.truth.iter().copied());
+            panel = panel.line("truth", truth, self.course(&self.truth));
         }
         if has_any(&self.smoothed) {
-            panel = panel.line("smoothed", smoothed, self.smoothed.iter().copied());
+            panel = panel.line("smoothed", smoothed, self.course(&self.smoothed));
         }
-        panel = panel.line("estimate", Stroke::new(Colour::Black), self.estimate.iter().copied());
+        panel = panel.line("estimate", Stroke::new(Colour::Black), self.course(&self.estimate));
         let start = self.estimate.iter().find(|(x, y)| x.is_finite() && y.is_finite());
         figure.size(760.0, 460.0).panel(panel.points("first row", (Marker::Disc, Colour::Blue), start.copied()))
     }

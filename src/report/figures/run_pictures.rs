@@ -74,9 +74,10 @@ impl RunRecord<'_> {
             let errors = without_outliers(series.error.line().map(|point| point.1).collect());
             let axis = Axis::new(format!("error of {}", self.problem.model.states[i]));
             let share = significant(series.within.per_cent(), 3);
-            let panel = Panel::new(time_axis(self.problem, self.log), of_course(axis, errors.into_iter(), &series.deviation))
-                .title(format!("{share} % of {} within 3 standard deviations", self.rows_of(series.within.rows)))
-                .band("± 3 standard deviations", Colour::Blue, series.deviation.band());
+            let panel =
+                Panel::new(time_axis(self.problem, self.log), of_course(axis, errors.into_iter(), &series.deviation))
+                    .title(format!("{share} % of {} within 3 standard deviations", self.rows_of(series.within.rows)))
+                    .band("± 3 standard deviations", Colour::Blue, series.deviation.band());
             let panel = match &series.error_fan {
                 Some(fan) => fan.draw(panel, true),
                 None => panel.line("estimate minus truth", ESTIMATE, series.error.line()),
@@ -109,7 +110,8 @@ impl RunRecord<'_> {
             false => (&series.innovation, &series.fan),
         };
         let share = significant(series.within.per_cent(), 3);
-        let title = format!("{share} % of {} within 2 sqrt(S), of a right filter 95 %", self.rows_of(series.within.rows));
+        let title =
+            format!("{share} % of {} within 2 sqrt(S), of a right filter 95 %", self.rows_of(series.within.rows));
         let points = values.points().map(|point| point.1);
         let axis = Axis::new(format!("innovation of {name}{}", if normalised { " / sqrt(S)" } else { "" }));
         let axis = if normalised { axis.including(-2.5).including(2.5) } else { of_course(axis, points, &series.band) };
@@ -159,9 +161,11 @@ impl RunRecord<'_> {
             .title(format!("mean {mean} a component; {inside:.1} % of {} in the band", self.rows_of(nis.rows)));
         let panel = match &track.nis_fan {
             Some(fan) => edges(fan.draw(panel, false), "95 % band", &track.nis_band),
-            None => panel
-                .band("95 % band", Colour::Blue, track.nis_band.band())
-                .points("NIS", (Marker::Dot, Colour::Black), track.nis.points()),
+            None => panel.band("95 % band", Colour::Blue, track.nis_band.band()).points(
+                "NIS",
+                (Marker::Dot, Colour::Black),
+                track.nis.points(),
+            ),
         };
         figure.panel(self.with_boundary(panel))
     }
@@ -252,7 +256,9 @@ impl RunRecord<'_> {
 
 /// The edges of a band as lines, for where areas stand for something else.
 fn edges(panel: Panel, label: &str, band: &Envelope) -> Panel {
-    let [low, high] = [0, 1].map(|i| band.band().map(move |(time, edges)| (time, edges[i])));
+    // References run on through gaps in time.
+    let rows = || band.band().filter(|(time, _)| !time.is_nan());
+    let [low, high] = [0, 1].map(|i| rows().map(move |(time, edges)| (time, edges[i])));
     panel.line(label, LIMIT, high).line("", LIMIT, low)
 }
 

@@ -1,6 +1,6 @@
 //! One trajectory of a filter run, as its pictures need it.
 
-use super::envelope::Envelope;
+use super::envelope::{Envelope, longest};
 use super::fan::{DOTS, Fan};
 use super::plan::{Axes, Plan};
 use super::run_record::MOST;
@@ -77,9 +77,14 @@ impl Share {
     }
 }
 
-/// A fan for a series that is too long for dots.
-fn fan(length: usize) -> Option<Fan> {
-    (length > DOTS).then(|| Fan::new(length))
+/// A fan for a series with values at these times, where they are too many for dots.
+fn fan(times: &[f64]) -> Option<Fan> {
+    (times.len() > DOTS).then(|| Fan::new(times.len(), longest(times.iter().copied())))
+}
+
+/// Times of the rows that `is_there` says.
+fn times_where(trajectory: &Trajectory, is_there: impl Fn(usize) -> bool) -> Vec<f64> {
+    (0..trajectory.len()).filter(|k| is_there(*k)).map(|k| trajectory.time[k]).collect()
 }
 
 fn push(fan: &mut Option<Fan>, time: f64, value: f64) {
@@ -92,7 +97,7 @@ impl StateSeries {
     fn new(log: &Log, trajectory: &Trajectory, name: &str) -> Self {
         let new = || Envelope::new(trajectory.len());
         let truth_column = log.truth.iter().position(|truth| truth == name);
-        let known = truth_column.map_or(0, |column| trajectory.truth.column(column).filter(|v| !v.is_nan()).count());
+        let known = |k: usize| truth_column.is_some_and(|column| !trajectory.truth.row(k)[column].is_nan());
         Self {
             estimate: new(),
             band: new(),
@@ -100,7 +105,7 @@ impl StateSeries {
             truth: new(),
             error: new(),
             deviation: new(),
-            error_fan: fan(known),
+            error_fan: fan(&times_where(trajectory, known)),
             within: Share::default(),
             smoothed: new(),
         }
@@ -110,16 +115,16 @@ impl StateSeries {
 impl MeasurementSeries {
     fn new(trajectory: &Trajectory, i: usize) -> Self {
         let new = || Envelope::new(trajectory.len());
-        let measured = trajectory.z.column(i).filter(|z| !z.is_nan()).count();
+        let fan = fan(&times_where(trajectory, |k| !trajectory.z.row(k)[i].is_nan()));
         Self {
             measured: new(),
             predicted: new(),
             predicted_band: new(),
             innovation: new(),
-            fan: fan(measured),
+            fan: fan.clone(),
             band: new(),
             normalised: new(),
-            normalised_fan: fan(measured),
+            normalised_fan: fan,
             within: Share::default(),
         }
     }
@@ -141,7 +146,7 @@ impl MeasurementSeries {
 impl Track {
     pub(super) fn new(trajectory: usize, log: &Log, states: &[String], axes: Option<Axes>) -> Self {
         let of: &Trajectory = &log.trajectories[trajectory];
-        let measured = (0..of.len()).filter(|&k| of.z.row(k).iter().any(|z| !z.is_nan())).count();
+        let measured = times_where(of, |k| of.z.row(k).iter().any(|z| !z.is_nan()));
         Self {
             trajectory,
             nis_sum: 0.0,
@@ -150,7 +155,7 @@ impl Track {
             measurements: (0..of.z.columns().min(MOST)).map(|i| MeasurementSeries::new(of, i)).collect(),
             nis: Envelope::new(of.len()),
             nis_band: Envelope::new(of.len()),
-            nis_fan: fan(measured),
+            nis_fan: fan(&measured),
             plan: axes.map(|axes| Plan::new(axes, of.len())),
         }
     }

@@ -191,7 +191,8 @@ pub(super) fn pictures(pictures: &[Picture]) -> Option<String> {
 
 pub(super) fn filter(tuning: &Tuning) -> Option<String> {
     let Matrices { dt, gain, varies, .. } = &tuning.matrices;
-    let step = dt.map_or_else(|| "For steps of any length dt".to_owned(), |dt| format!("For a step of {} s", short(dt, 6)));
+    let step =
+        dt.map_or_else(|| "For steps of any length dt".to_owned(), |dt| format!("For a step of {} s", short(dt, 6)));
     let formulas = if varies.is_empty() { "" } else { "; what changes from row to row is a formula" };
     let gain = if *gain == Gain::Steady { "; K is the gain that the filter settles to" } else { "" };
     Some(format!(
@@ -282,6 +283,9 @@ pub(super) fn words(tuning: &Tuning) -> Option<String> {
         "NIS: squared innovation in units of its own variance; 1 on average when the filter knows its errors",
         "F, H, Q, R, K: transition, measurement, process noise, measurement noise and gain of the filter",
     ]);
+    if tuning.matrices.f0.is_some() || tuning.matrices.h0.is_some() {
+        lines.push("f0, h0: what transition and measurement add that no state is part of");
+    }
     if tuning.consistency.nees.is_some() {
         lines.push("NEES: squared error of the estimate in units of its own variance, where the truth is known");
     }

@@ -139,7 +139,8 @@ fn values_are_those_of_the_reference() {
         let found = Matrices::of(&problem, &log, &candidate);
         let dt = log.regular_dt().expect("a regular example");
         let reference = reference::Matrices::of(&problem, &candidate, dt);
-        let pairs = [(&found.F, reference.f), (&found.H, reference.h), (&found.Q, reference.q), (&found.R, reference.r)];
+        let pairs =
+            [(&found.F, reference.f), (&found.H, reference.h), (&found.Q, reference.q), (&found.R, reference.r)];
         for (matrix, expected) in pairs.iter().filter(|(matrix, _)| !matrix.varies()) {
             for (i, row) in matrix.rows.iter().enumerate() {
                 for (j, entry) in row.iter().enumerate() {

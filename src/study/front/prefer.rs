@@ -67,14 +67,15 @@ impl Landmarks {
     fn prefer(&mut self, front: &[FrontMember], baseline: Option<&[f64]>) {
         let consistent = |m: &FrontMember| m.nis.is_some_and(|nis| nis.is_consistent());
         let dominating = |m: &FrontMember| baseline.is_some_and(|baseline| dominates(&m.objectives, baseline));
-        let classes: [(Among, &dyn Fn(&FrontMember) -> bool); 4] = [
-            (Among::ConsistentAndDominating, &|m| consistent(m) && dominating(m)),
-            (Among::Consistent, &consistent),
-            (Among::Dominating, &dominating),
-            (Among::All, &|_| true),
+        let classes = [
+            (Among::ConsistentAndDominating, true, true),
+            (Among::Consistent, true, false),
+            (Among::Dominating, false, true),
+            (Among::All, false, false),
         ];
         let objectives: Vec<Vec<f64>> = front.iter().map(|m| m.objectives.clone()).collect();
-        for (among, belongs) in classes {
+        for (among, is_consistent, dominates) in classes {
+            let belongs = |m: &FrontMember| (!is_consistent || consistent(m)) && (!dominates || dominating(m));
             let allowed: Vec<bool> = front.iter().map(belongs).collect();
             if let Some(knee) = knee_of(&objectives, self.has_knee, &allowed) {
                 (self.recommended, self.among) = (knee, among);

@@ -9,6 +9,15 @@ fn with(line: &str) -> String {
     format!("[\"nll\"]\n{line}")
 }
 
+/// Checks lines behind the objectives of the sound problem: what is underlined, and what is said.
+fn refused(cases: &[(&str, &str, &str)]) {
+    let lines: Vec<(String, &str, &str)> =
+        cases.iter().map(|(line, under, said)| (with(line), *under, *said)).collect();
+    let cases: Vec<(&str, &str, &str, &str)> =
+        lines.iter().map(|(line, under, said)| ("[\"nll\"]", line.as_str(), *under, *said)).collect();
+    check(&cases);
+}
+
 #[test]
 fn constraints_say_where_they_are_wrong() {
     let cases = [
@@ -53,6 +62,51 @@ fn constraints_say_where_they_are_wrong() {
             "28:16: `tune.constraints[1]` is \"1.2\": expected a name, <= or >=, and a number, such as \"nis_mean <= 1.2\" or \"0.8 <= nis_mean <= 1.2\", or a table with `name` and `max` or `min`",
         ),
         (
+            "constraints = [\"nees_mean <= 1\"]",
+            "\"nees_mean <= 1\"",
+            "28:16: `tune.constraints[1]`: the constraint on `nees_mean` needs truth of all states, and `v` has none",
+        ),
+        (
+            "constraints = [{ name = \"rmse\" }]",
+            "{ name = \"rmse\" }",
+            "28:16: [tune.constraints[1]] lacks `max`: give the largest value allowed (or `min`, the smallest)",
+        ),
+        (
+            "constraints = [{ name = \"nis\", max = 1, window = 3 }]",
+            "3",
+            "28:50: `tune.constraints[1].window`: it does not apply to the objective `nis`: remove it",
+        ),
+        (
+            "constraints = [{ name = \"nis\", maxi = 1 }]",
+            "maxi",
+            "28:32: unknown key `maxi` in [tune.constraints[1]]: did you mean `max`? (known: `name`, `max`, `min`, `states`, `skip`, `window`, `ct`)",
+        ),
+    ];
+    refused(&cases);
+}
+
+#[test]
+fn constraints_are_read_in_both_forms() {
+    let line =
+        "constraints = [\" nis_mean>=0.5\", { name = \"rmse\", states = [\"p\"], skip = 2, min = 1, max = 5e0 }]";
+    let problem = Problem::parse(&SOUND.replace("[\"nll\"]", &with(line)), "p.toml").unwrap();
+    let found = &problem.tune.constraints;
+    let parts: Vec<_> = found.iter().map(|c| (c.measure.kind, c.relation, c.limit, c.measure.skip)).collect();
+    let expected = [
+        (Kind::NisMean, Relation::AtLeast, 0.5, 0),
+        (Kind::Rmse, Relation::AtMost, 5.0, 2),
+        (Kind::Rmse, Relation::AtLeast, 1.0, 2),
+    ];
+    assert_eq!(parts, expected);
+    assert_eq!(found[1].measure.states, [0]);
+    let scorers: Vec<&str> = problem.tune.scorers().iter().map(|o| o.name()).collect();
+    assert_eq!(scorers, ["nll", "nis_mean", "rmse", "rmse"]);
+}
+
+#[test]
+fn constraints_from_both_sides_say_where_they_are_wrong() {
+    refused(&[
+        (
             "constraints = [\"1.2 <= nis_mean <= 0.8\"]",
             "\"1.2 <= nis_mean <= 0.8\"",
             "28:16: `tune.constraints[1]` is \"1.2 <= nis_mean <= 0.8\": expected a smaller and a larger number around the name, such as \"0.8 <= nis_mean <= 1.2\"",
@@ -77,50 +131,7 @@ fn constraints_say_where_they_are_wrong() {
             "\"1 <= nis_mean <= 1.2 <= 3\"",
             "28:16: `tune.constraints[1]` is \"1 <= nis_mean <= 1.2 <= 3\": expected a name, <= or >=, and a number, such as \"nis_mean <= 1.2\" or \"0.8 <= nis_mean <= 1.2\", or a table with `name` and `max` or `min`",
         ),
-        (
-            "constraints = [\"nees_mean <= 1\"]",
-            "\"nees_mean <= 1\"",
-            "28:16: `tune.constraints[1]`: the constraint on `nees_mean` needs truth of all states, and `v` has none",
-        ),
-        (
-            "constraints = [{ name = \"rmse\" }]",
-            "{ name = \"rmse\" }",
-            "28:16: [tune.constraints[1]] lacks `max`: give the largest value allowed (or `min`, the smallest)",
-        ),
-        (
-            "constraints = [{ name = \"nis\", max = 1, window = 3 }]",
-            "3",
-            "28:50: `tune.constraints[1].window`: it does not apply to the objective `nis`: remove it",
-        ),
-        (
-            "constraints = [{ name = \"nis\", maxi = 1 }]",
-            "maxi",
-            "28:32: unknown key `maxi` in [tune.constraints[1]]: did you mean `max`? (known: `name`, `max`, `min`, `states`, `skip`, `window`, `ct`)",
-        ),
-    ];
-    let lines: Vec<(String, &str, &str)> =
-        cases.iter().map(|(line, under, said)| (with(line), *under, *said)).collect();
-    let cases: Vec<(&str, &str, &str, &str)> =
-        lines.iter().map(|(line, under, said)| ("[\"nll\"]", line.as_str(), *under, *said)).collect();
-    check(&cases);
-}
-
-#[test]
-fn constraints_are_read_in_both_forms() {
-    let line =
-        "constraints = [\" nis_mean>=0.5\", { name = \"rmse\", states = [\"p\"], skip = 2, min = 1, max = 5e0 }]";
-    let problem = Problem::parse(&SOUND.replace("[\"nll\"]", &with(line)), "p.toml").unwrap();
-    let found = &problem.tune.constraints;
-    let parts: Vec<_> = found.iter().map(|c| (c.measure.kind, c.relation, c.limit, c.measure.skip)).collect();
-    let expected = [
-        (Kind::NisMean, Relation::AtLeast, 0.5, 0),
-        (Kind::Rmse, Relation::AtMost, 5.0, 2),
-        (Kind::Rmse, Relation::AtLeast, 1.0, 2),
-    ];
-    assert_eq!(parts, expected);
-    assert_eq!(found[1].measure.states, [0]);
-    let scorers: Vec<&str> = problem.tune.scorers().iter().map(|o| o.name()).collect();
-    assert_eq!(scorers, ["nll", "nis_mean", "rmse", "rmse"]);
+    ]);
 }
 
 #[test]

@@ -144,6 +144,90 @@ fn nis_far_below_its_band_is_in_the_picture() {
     assert!(usual > 90 && absurd > 80, "dots of 100 rows: {usual}, and with a vast R {absurd}");
 }
 
+/// Dots of 5,000 rows would cover one another, and the one row in twenty outside the band would look like half of them.
+#[test]
+fn a_long_log_is_drawn_as_shares() {
+    let mut problem = example("rocket.toml");
+    if let Some(spec) = &mut problem.simulate {
+        spec.steps = 4999;
+    }
+    let log = simulate(&problem, None).unwrap();
+    let found = of_run(&problem, &log);
+    let legend = ["middle 95 % of every 50 rows", "middle 50 %", "median"];
+    expect(&found, "nis", &[&legend[..], &["95 % band", "highest of them"]].concat());
+    expect(&found, "innovations", &[&legend[..], &["± 2 sqrt(S)", "highest and lowest of them"]].concat());
+    expect(&found, "errors", &legend);
+    expect(&found, "estimates", &["measured, the extremes of every 2 rows"]);
+    let short = of_run(&example("rocket.toml"), &simulate(&example("rocket.toml"), None).unwrap());
+    assert!(short.iter().all(|(_, texts)| !texts.iter().any(|t| t.starts_with("middle"))), "{short:?}");
+}
+
+const MOVING: &str = r#"
+[data]
+file = "log.csv"
+time = "t"
+measurements = ["east", "up"]
+[model]
+kind = "constant-velocity"
+axes = ["n", "e"]
+noise = "continuous"
+q = "q"
+R = ["r", "r"]
+x0 = [0, 0, 0, 0]
+P0 = [1, 1, 1, 1]
+[parameters]
+q = { min = 0.01, max = 100, start = 1 }
+r = { min = 0.01, max = 100, start = 1 }
+[tune]
+objectives = ["nll"]
+"#;
+
+/// 100 rows a second apart with a gap of 400 s in the middle, the track far away after it.
+fn with_a_gap(gap: u32) -> Log {
+    let problem = Problem::parse(MOVING, "moving.toml").unwrap();
+    let row = |k: u32| {
+        let (t, away) = if k < 50 { (k, 0) } else { (k + gap, 100 * gap) };
+        format!("{t},{},{}\n", away + k * 7 % 3, k * 5 % 4)
+    };
+    let csv: String = std::iter::once("t,east,up\n".to_owned()).chain((0..100).map(row)).collect();
+    Log::read(&problem.data, csv.as_bytes(), "log.csv").unwrap()
+}
+
+#[test]
+fn a_gap_does_not_hide_the_other_innovations() {
+    let problem = Problem::parse(MOVING, "moving.toml").unwrap();
+    expect(&of_run(&problem, &with_a_gap(0)), "innovations", &["innovation of east", "± 2 sqrt(S)"]);
+    let found = of_run(&problem, &with_a_gap(400));
+    expect(&found, "innovations", &["innovation of east / sqrt(S)", "innovation of up / sqrt(S)", "± 2"]);
+}
+
+#[test]
+fn a_track_is_seen_from_above_with_north_up() {
+    let problem = Problem::parse(MOVING, "moving.toml").unwrap();
+    let log = with_a_gap(0);
+    let mut record = RunRecord::new(&problem, &log);
+    assert_eq!(record.plan(), None, "nothing ran");
+    reference::visit(&problem, &log, &problem.parameters.baseline(), &mut |i, step| record.add(i, step)).unwrap();
+    record.finish();
+    let found = texts(&record.plan().expect("two axes").to_svg().unwrap());
+    for expected in ["moving: track from above", "measured", "estimate", "first row"] {
+        assert!(found.iter().any(|t| t == expected), "{expected:?} is missing of {found:?}");
+    }
+    let place = |name: &str| found.iter().position(|t| t == name).expect(name);
+    assert!(place("e") < place("n"), "x is named before y: {found:?}");
+    let level = example("nile.toml");
+    assert_eq!(plan::Axes::of(&level, &log), None);
+    assert_eq!(plan::Axes::of(&problem, &log).map(|axes| axes.states), Some([1, 0]));
+}
+
+#[test]
+fn unix_times_are_dates() {
+    let problem = Problem::parse(&MOVING.replace("axes = [\"n\", \"e\"]", "axes = [\"a\", \"b\"]"), "m.toml").unwrap();
+    let csv: String = (0..90).map(|k| format!("{},{k},1\n", 1_700_000_000 + 20 * k)).collect();
+    let log = Log::read(&problem.data, format!("t,east,up\n{csv}").as_bytes(), "log.csv").unwrap();
+    expect(&of_run(&problem, &log), "nis", &["time from 2023-11-14 [UTC]", "22:20", "22:40"]);
+}
+
 #[test]
 fn convergence_copes_with_any_history() {
     let problem = example("rocket.toml");

@@ -72,7 +72,7 @@ impl Lbfgsb {
         let SymmetricEigen { eigenvalues, eigenvectors } = SymmetricEigen::new(scaled);
         let slopes = eigenvectors.tr_mul(&slope);
         let steps = DVector::from_fn(free.len(), |k, _| -slopes[k] / eigenvalues[k].abs().max(1.0));
-        let gain = -0.5 * nat * steps.dot(&slopes);
+        let gain = (-0.5 * nat * steps.dot(&slopes)).max(0.0);
         self.predicted = gain;
         if gain <= self.goal() {
             return self.probe();

@@ -19,7 +19,7 @@ impl Lbfgsb {
             let [lower, upper] = [self.space.lower[d], self.space.upper[d]];
             let ends = [lower, upper].into_iter().filter(|end| end.is_finite());
             let inside = OFFSETS.iter().map(|offset| at + offset * self.options.units[d]);
-            for x in ends.chain(inside.filter(|x| lower < *x && *x < upper)).filter(|x| *x != at) {
+            for x in ends.chain(inside.filter(|x| lower < *x && *x < upper)).filter(|x| (x - at).abs() > 0.0) {
                 let mut point = self.at.x.clone();
                 point[d] = x;
                 coordinates.push(d);
@@ -34,7 +34,7 @@ impl Lbfgsb {
         let mut best: Vec<Option<usize>> = vec![None; n];
         for (i, d) in coordinates.iter().enumerate() {
             let x = self.batch.row(i)[*d];
-            let at_bound = x == self.space.lower[*d] || x == self.space.upper[*d];
+            let at_bound = x <= self.space.lower[*d] || x >= self.space.upper[*d];
             let gain = self.at.cost - costs[i];
             let worth = if at_bound { 0.0 } else { GOAL * self.options.nat };
             if usable(costs[i]) && gain > worth.max(4.0 * self.noise()) && best[*d].is_none_or(|b| costs[i] < costs[b])

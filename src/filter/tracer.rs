@@ -36,6 +36,8 @@ pub(super) struct Tracer<'a> {
     pub(super) rows: &'a Rows<'a>,
     pub(super) problem: &'a Problem,
     pub(super) nominal: Option<&'a Nominal>,
+    /// See [`Recursion::anchored`].
+    pub(super) anchored: bool,
 }
 
 impl Tracer<'_> {
@@ -60,7 +62,7 @@ impl Tracer<'_> {
         let parameters = formula::parameters(&mut self.g, &self.problem.parameters, None);
         let scope = Scope { states: &[], parameters: &parameters, inputs: &inputs, dt };
         let (Q, R) = (Covariance::Full(self.covariance(&model.q, scope)), self.covariance(&model.r, scope));
-        Ok(Recursion { F: f.jacobian, H: h.jacobian, Q, R, drift, z: innovations, present })
+        Ok(Recursion { F: f.jacobian, H: h.jacobian, Q, R, drift, z: innovations, present, anchored: self.anchored })
     }
 
     /// H and h(0) of a candidate, at every row.
@@ -94,7 +96,7 @@ impl Tracer<'_> {
         let scope = Scope { states: &[], parameters: &parameters, inputs: &[], dt };
         let Q = Covariance::Full(self.covariance(&model.q, scope));
         let R = Symmetric::from_fn(0, |_, _| dt);
-        Ok(Recursion { F: f.jacobian, H: vec![], Q, R, drift: f.offset, z: vec![], present: vec![] })
+        Ok(Recursion { F: f.jacobian, H: vec![], Q, R, drift: f.offset, z: vec![], present: vec![], anchored: false })
     }
 
     /// x0 and P0 at the first row, in deviation from the nominal if there is one.

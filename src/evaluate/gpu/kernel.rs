@@ -6,7 +6,7 @@ use super::layout::{Header, Layout};
 use super::totals::Totals;
 use super::upload::{self, word};
 use super::{GpuError, GpuOptions, prologue, shader};
-use crate::evaluate::{Evaluation, Population, Precision};
+use crate::evaluate::{Evaluation, Population, Precision, Status};
 use crate::filter::Program;
 use std::time::Duration;
 use wgpu::{BufferUsages as Usage, Limits};
@@ -80,10 +80,14 @@ impl Kernel {
             let Some(buffers) = &self.buffers else { continue };
             gpu.guarded(|| self.dispatch(gpu, program, buffers, part))?;
             let bytes = self.totals_bytes(buffers.stride);
-            parts.push(gpu.read(&buffers.staging, bytes, |bytes| {
+            let (costs, mut status) = gpu.read(&buffers.staging, bytes, |bytes| {
                 let totals = Totals { bytes, stride: buffers.stride, precision: self.precision };
                 totals.finish(program, &self.layout, n)
-            })?);
+            })?;
+            for i in program.positivity.refused(part) {
+                status[i] = status[i].union(Status::NOT_POSITIVE);
+            }
+            parts.push((costs, status));
             if let (Some(time), Some(clock)) = (&mut time, &self.clock) {
                 *time += clock.read(gpu)?;
             }

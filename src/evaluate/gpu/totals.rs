@@ -50,7 +50,14 @@ impl Totals<'_> {
                 match carried.role {
                     Role::State => continue,
                     Role::Sum => sums[slot] += next(),
-                    Role::Product => sums[slot] += next() * std::f64::consts::LN_2 + next().ln(),
+                    Role::Product => {
+                        let logarithm = next() * std::f64::consts::LN_2 + next().ln();
+                        sums[slot] += logarithm;
+                        // The mantissa of a product that met a variance not positive, or not finite, is 0.
+                        if !logarithm.is_finite() {
+                            status = status.union(Status::NOT_POSITIVE);
+                        }
+                    }
                     Role::Check if next() <= 0.0 => status = status.union(Status::NOT_POSITIVE),
                     Role::Check => {}
                 }

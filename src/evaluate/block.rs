@@ -172,7 +172,7 @@ fn finish<T: Lane, const C: usize, const B: usize>(
     }
 }
 
-/// Lanes in which an innovation variance was not positive: a product is 0 (its logarithm -inf), or the check is down.
+/// Lanes in which an innovation variance was not positive or not finite: a product has no logarithm, or the check is down.
 fn failures<T: Lane, const C: usize, const B: usize>(
     program: &Program,
     registers: &[Register<T, C, B>],
@@ -181,7 +181,7 @@ fn failures<T: Lane, const C: usize, const B: usize>(
     let mut failed = Register::splat(false);
     for ((_, role), sum) in slots(program).zip(sums) {
         let lanes = failed.lanes_mut().iter_mut().zip(sum.lanes());
-        lanes.for_each(|(failed, sum)| *failed |= role == Role::Product && *sum == f64::NEG_INFINITY);
+        lanes.for_each(|(failed, sum)| *failed |= role == Role::Product && !sum.is_finite());
     }
     for (carried, register) in program.carried.iter().zip(registers) {
         let lanes = failed.lanes_mut().iter_mut().zip(register.lanes());

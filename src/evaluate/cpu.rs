@@ -175,6 +175,9 @@ impl CpuEvaluator {
             }
             status.extend(totals.status);
         }
+        for i in program.positivity.refused(candidates) {
+            status[i] = status[i].union(Status::NOT_POSITIVE);
+        }
         (costs, status)
     }
 

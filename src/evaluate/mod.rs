@@ -99,9 +99,9 @@ pub struct Status(u32);
 impl Status {
     /// Usable.
     pub const OK: Self = Self(0);
-    /// An innovation variance was not positive, so Q, R or P0 is no covariance.
+    /// Q, R or P0 is no covariance, or an innovation covariance was not positive definite or not finite.
     pub const NOT_POSITIVE: Self = Self(1);
-    /// A cost was not finite.
+    /// A cost was not finite, although the covariances were.
     pub const NOT_FINITE: Self = Self(2);
     /// There was no candidate to score: `evaluate` read something else in its place.
     pub const UNREADABLE: Self = Self(8);
@@ -143,7 +143,7 @@ impl Evaluation {
     pub const INFEASIBLE: f64 = 1e200;
 
     /// From row-major costs (candidates x objectives) and one status a candidate. Costs of failed candidates, and
-    /// any cost that is not finite, become [`Self::FAILED`], and the latter set [`Status::NOT_FINITE`].
+    /// any cost that is not finite, become [`Self::FAILED`], and the latter set [`Status::NOT_FINITE`] where no bit is set.
     ///
     /// # Panics
     /// If the lengths disagree.
@@ -151,8 +151,8 @@ impl Evaluation {
     pub fn new(objectives: usize, mut costs: Vec<f64>, mut status: Vec<Status>) -> Self {
         assert_eq!(costs.len(), objectives * status.len(), "one cost per candidate and objective");
         for (row, status) in costs.chunks_exact_mut(objectives.max(1)).zip(&mut status) {
-            if row.iter().any(|c| !c.is_finite()) {
-                *status = status.union(Status::NOT_FINITE);
+            if status.is_ok() && row.iter().any(|c| !c.is_finite()) {
+                *status = Status::NOT_FINITE;
             }
             if !status.is_ok() {
                 row.fill(Self::FAILED);

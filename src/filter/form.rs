@@ -1,10 +1,13 @@
 //! In which form the covariance is carried, and why.
 
+use super::columns::{Columns, Rows};
 use super::error::TraceError;
 use super::formula::{self, Scope};
+use super::probe::{Probe, range};
 use super::tracer::Tracer;
-use crate::model::{FilterKind, Parameters, Problem, Search};
-use crate::tape::{Calculator, Id, Leaf};
+use super::units::Units;
+use crate::model::{FilterKind, Parameters, Problem};
+use crate::tape::{Calculator, Graph, Id, Leaf};
 use std::fmt::{self, Display, Formatter};
 
 /// The form of the covariance that a filter carries.
@@ -27,15 +30,49 @@ impl Display for Form {
 
 impl Form {
     /// P0 over R above which single precision carries factors: f32 keeps 7 digits, and an update that takes P from P0 down
-    /// to R loses as many as P0/R has, where nll per step is promised to 1e-5.
+    /// to R loses as many as P0/R has, where nll per step is promised to 1e-5. The same holds for what an update takes P
+    /// down by in the middle of a log.
     pub const DIFFUSE: f64 = 1e3;
+    /// The same of double precision: 16 digits, of which costs are promised to 10.
+    pub const DIFFUSE_F64: f64 = 1e6;
+}
 
-    /// Double precision carries P; single precision does for a P0 up to [`Self::DIFFUSE`] times R, and factors beyond. It
-    /// carries factors too where Q is adapted: a step after a large correction is as diffuse as a start.
-    pub(super) fn choose(tracer: &mut Tracer<'_>) -> Result<Self, TraceError> {
-        let adapts_q = matches!(tracer.problem.filter, FilterKind::SageHusa { .. });
-        let needed = tracer.nominal.is_some() && (adapts_q || diffuseness(tracer)? > Self::DIFFUSE);
-        Ok(if needed { Self::Factored } else { Self::Full })
+/// How a filter is carried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Carrying {
+    pub(super) form: Form,
+    /// See [`super::kalman::Recursion::anchored`].
+    pub(super) anchored: bool,
+}
+
+impl Carrying {
+    /// By the problem and its log alone, unless the form is given.
+    ///
+    /// Single precision carries P for a P0 up to [`Form::DIFFUSE`] times R, and factors beyond. It carries factors too where
+    /// Q is adapted (a step after a large correction is as diffuse as a start), and where an update after a gap takes P down
+    /// by more. Double precision carries factors where a [`Probe`] finds that an update takes P down by more than
+    /// [`Form::DIFFUSE_F64`]. After such a gap x is anchored to what is measured, and with it comes the track of the baseline
+    /// after its updates, for a nominal.
+    pub(super) fn choose(
+        problem: &Problem,
+        rows: &Rows<'_>,
+        single: bool,
+        form: Option<Form>,
+    ) -> Result<(Self, Option<Vec<f64>>), TraceError> {
+        let mut columns = Columns::default();
+        let (g, units) = (Graph::default(), Units::own(problem.model.states.len(), problem.model.measurements.len()));
+        let mut tracer =
+            Tracer { g, columns: &mut columns, rows, problem, nominal: None, units: &units, anchored: false };
+        let diffuseness = diffuseness(&mut tracer)?;
+        let limit = if single { Form::DIFFUSE } else { Form::DIFFUSE_F64 };
+        let probe = Probe::run(problem, rows, !single && diffuseness > limit)?;
+        let lost = |loss: fn(&Probe) -> f64| probe.as_ref().is_some_and(|probe| loss(probe) > limit);
+        let (start, anchored) = (lost(|probe| probe.start), lost(|probe| probe.after));
+        let adapts_q = matches!(problem.filter, FilterKind::SageHusa { .. });
+        let diffuse = if single { adapts_q || diffuseness > limit } else { start };
+        let chosen = if diffuse || anchored { Form::Factored } else { Form::Full };
+        let track = probe.filter(|_| anchored).map(|probe| probe.track);
+        Ok((Self { form: form.unwrap_or(chosen), anchored }, track))
     }
 }
 
@@ -45,7 +82,7 @@ impl Form {
 /// Each over the whole log and over three candidates: every searched parameter at its lower bound, at its start, and at
 /// its upper bound (the range of the first population where there is no bound). That covers formulas that rise or fall in
 /// all of their parameters.
-pub(super) fn diffuseness(tracer: &mut Tracer<'_>) -> Result<f64, TraceError> {
+fn diffuseness(tracer: &mut Tracer<'_>) -> Result<f64, TraceError> {
     let (mut p0, mut h, mut r) = (0.0_f64, 0.0_f64, f64::INFINITY);
     for candidate in corners(&tracer.problem.parameters) {
         let (jacobian, _) = tracer.measurement_map(&candidate)?;
@@ -67,15 +104,8 @@ fn least_share(problem: &Problem, candidate: &[f64]) -> f64 {
 
 /// The candidates that the rule looks at.
 pub(super) fn corners(parameters: &Parameters) -> [Vec<f64>; 3] {
-    let finite = |bound: f64, init: f64| if bound.is_finite() { bound } else { init };
-    let at = |bound: fn(&Search) -> [f64; 2]| {
-        let value = |search: &Search| {
-            let [bound, init] = bound(search);
-            finite(bound, init)
-        };
-        parameters.searched().map(|(_, search)| value(search)).collect()
-    };
-    [at(|s| [s.min, s.init[0]]), parameters.baseline(), at(|s| [s.max, s.init[1]])]
+    let at = |end: usize| parameters.searched().map(|(_, search)| range(search)[end]).collect();
+    [at(0), parameters.baseline(), at(1)]
 }
 
 /// Diagonals of P0 and R of a candidate.

@@ -2,7 +2,7 @@
 //! one decorrelated scalar at a time (Bierman 1977, ch. V), so that nothing is ever inverted.
 #![expect(non_snake_case, reason = "Kalman notation: F, H, Q, R, P, S, K")]
 
-use super::covariance::{Covariance, Scalar};
+use super::covariance::{Covariance, Gain, Scalar};
 use super::symmetric::Symmetric;
 use crate::tape::{Graph, Id};
 
@@ -18,6 +18,8 @@ pub(super) struct Recursion {
     pub(super) z: Vec<Id>,
     /// 1 where a component updates, 0 where it is missing.
     pub(super) present: Vec<Id>,
+    /// Whether x may be so far off before an update that taking the correction off it leaves its rounding.
+    pub(super) anchored: bool,
 }
 
 /// What an update yields besides the posterior.
@@ -50,7 +52,7 @@ impl Recursion {
     pub(super) fn update(&self, g: &mut Graph, x: &[Id], P: &Covariance) -> (Update, Vec<Id>, Covariance) {
         let (n, m) = (x.len(), self.H.len());
         let zero = g.constant(0.0);
-        let correlated = Symmetric::places(m).any(|(i, j)| i != j && !g.is(self.R.at(i, j), 0.0));
+        let correlated = self.correlated(g);
         let nu: Vec<Id> = (0..m)
             .map(|i| {
                 let predicted = g.dot(self.H[i].iter().copied().zip(x.iter().copied()));
@@ -59,23 +61,40 @@ impl Recursion {
             .collect();
         let S_diagonal = (0..m).map(|i| P.variance(g, &self.H[i], self.R.at(i, i))).collect();
         let mut update = Update { nu, S_diagonal, pivots: vec![], nis: vec![], correction: vec![] };
-        let (rows, D, gates) = if correlated { self.decorrelate(g, &update.nu) } else { self.diagonal(&update.nu) };
-        let (mut dx, mut P) = (vec![zero; n], P.clone());
-        for ((H, nu), (D, gate)) in rows.iter().zip(D.iter().zip(&gates)) {
-            let moved = g.dot(H.iter().copied().zip(dx.iter().copied()));
-            let innovation = g.sub(*nu, moved);
+        // Anchored, each component is held against x as it is by then; else against what moved since the joint innovation.
+        let from = if self.anchored { &self.z } else { &update.nu };
+        let (rows, D, gates) = if correlated { self.decorrelate(g, from) } else { self.diagonal(from) };
+        let (mut dx, mut P, mut at) = (vec![zero; n], P.clone(), x.to_vec());
+        for ((H, from), (D, gate)) in rows.iter().zip(D.iter().zip(&gates)) {
+            let seen = if self.anchored { &at } else { &dx };
+            let moved = g.dot(H.iter().copied().zip(seen.iter().copied()));
+            let innovation = g.sub(*from, moved);
             let gain = P.update(g, &Scalar { H, D: *D, gate: *gate });
             for (dx, K) in dx.iter_mut().zip(&gain.K) {
                 let moved = g.mul(*K, innovation);
                 *dx = g.add(*dx, moved);
             }
+            if self.anchored {
+                anchor(g, (H, *from, *D), (&gain, innovation), &mut at);
+            }
             let square = g.mul(innovation, innovation);
             update.pivots.push(gain.S);
             update.nis.push(g.mul(square, gain.inverse));
         }
-        let x = x.iter().zip(&dx).map(|(x, dx)| g.add(*x, *dx)).collect();
+        let x = if self.anchored { at } else { x.iter().zip(&dx).map(|(x, dx)| g.add(*x, *dx)).collect() };
         update.correction = dx;
         (update, x, P)
+    }
+
+    fn correlated(&self, g: &Graph) -> bool {
+        Symmetric::places(self.R.n()).any(|(i, j)| i != j && !g.is(self.R.at(i, j), 0.0))
+    }
+
+    /// The presence of the components that see state `i` alone, and each by itself.
+    pub(super) fn alone(&self, g: &Graph, i: usize) -> Vec<Id> {
+        let sees = |row: &&Vec<Id>| (0..row.len()).all(|j| (j == i) != g.is(row[j], 0.0));
+        let rows = self.H.iter().zip(&self.present).filter(|(row, _)| sees(row));
+        if self.correlated(g) { vec![] } else { rows.map(|(_, present)| *present).collect() }
     }
 
     /// Uncorrelated components as they are: (H, nu), D = R, gated by their presence.
@@ -113,6 +132,23 @@ impl Recursion {
         }
         (rows, D, vec![one; m])
     }
+}
+
+/// x <- x + K nu, and once more by what rounding left: of the exact x, z - H x is D / S nu.
+fn anchor(g: &mut Graph, (H, z, D): (&[Id], Id, Id), (gain, innovation): (&Gain, Id), x: &mut [Id]) {
+    let moved_by = |g: &mut Graph, x: &mut [Id], by: Id| {
+        for (x, K) in x.iter_mut().zip(&gain.K) {
+            let moved = g.mul(*K, by);
+            *x = g.add(*x, moved);
+        }
+    };
+    moved_by(g, x, innovation);
+    let seen = g.dot(H.iter().copied().zip(x.iter().copied()));
+    let left = g.sub(z, seen);
+    let share = g.mul(D, gain.inverse);
+    let kept = g.mul(share, innovation);
+    let left = g.sub(left, kept);
+    moved_by(g, x, left);
 }
 
 /// Rows of (H, innovation).

@@ -19,6 +19,11 @@ impl Nominal {
         Self { candidate, states, n }
     }
 
+    /// The same candidate on another track, n values for each used row. Any track is exact; a near one costs few digits.
+    pub(super) fn on(self, states: Vec<f64>) -> Self {
+        Self { states, ..self }
+    }
+
     /// State `i` at every row.
     pub(super) fn at(&self, i: usize) -> Vec<f64> {
         self.states.iter().skip(i).step_by(self.n).copied().collect()

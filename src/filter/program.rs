@@ -3,6 +3,7 @@
 use super::carry::Entry;
 use super::form::Form;
 use super::nominal::Nominal;
+use super::positivity::Positivity;
 use super::scoring::{Pools, Traced};
 use super::units::Units;
 use crate::objective::{Constraint, Objective};
@@ -71,6 +72,8 @@ pub struct Program {
     pub constants: Vec<f64>,
     /// Trajectories.
     pub spans: Vec<Span>,
+    /// Which candidates have covariances for Q, R and P0.
+    pub positivity: Positivity,
     /// What the last scorers are held against: their values become violations, not costs.
     pub constraints: Vec<Constraint>,
     /// The units in which states and measurements stand in the step.

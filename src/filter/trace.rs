@@ -5,8 +5,10 @@ use super::carry::Partition;
 use super::columns::{Columns, Rows};
 use super::covariance::Covariance;
 use super::error::TraceError;
-use super::form::Form;
+use super::form::{Carrying, Form};
 use super::nominal::Nominal;
+use super::positivity::Positivity;
+use super::probe::Watch;
 use super::program::{Carried, Program, Role, Span};
 use super::scoring::{Scoring, Traced};
 use super::start::starts;
@@ -47,36 +49,50 @@ pub fn trace_as(
 ) -> Result<Program, TraceError> {
     check_columns(problem, log)?;
     let rows = Rows::new(problem, log);
+    let (carrying, track) = Carrying::choose(problem, &rows, nominal.is_some(), form)?;
+    // After a gap a predicted state is wherever the gap has led it, and nothing measured is near.
+    let nominal = match track {
+        Some(track) => nominal.map(|nominal| nominal.on(track)),
+        None => nominal,
+    };
+    trace_rows(problem, &rows, objectives, nominal, carrying, None)
+}
+
+/// Traces the filter over rows; a probe's watch adds its sums behind those of the objectives.
+pub(super) fn trace_rows(
+    problem: &Problem,
+    rows: &Rows<'_>,
+    objectives: &[Objective],
+    nominal: Option<Nominal>,
+    Carrying { form: chosen, anchored }: Carrying,
+    watch: Option<&Watch>,
+) -> Result<Program, TraceError> {
     let mut columns = Columns::default();
     let mut units = Units::own(problem.model.states.len(), problem.model.measurements.len());
-    let mut tracer = Tracer {
-        g: Graph::default(),
-        columns: &mut columns,
-        rows: &rows,
-        problem,
-        nominal: nominal.as_ref(),
-        units: &units,
-    };
+    let (g, nominal_of) = (Graph::default(), nominal.as_ref());
+    let mut tracer =
+        Tracer { g, columns: &mut columns, rows, problem, nominal: nominal_of, units: &units, anchored };
     units = Units::choose(&mut tracer)?;
-    let (mut form, mut partition) = (form, None);
+    let mut partition = None;
     loop {
         let g = Graph::default();
-        let nominal_of = nominal.as_ref();
-        let mut tracer = Tracer { g, columns: &mut columns, rows: &rows, problem, nominal: nominal_of, units: &units };
-        let chosen = form.map_or_else(|| Form::choose(&mut tracer), Ok)?;
-        form = Some(chosen);
+        let mut tracer =
+            Tracer { g, columns: &mut columns, rows, problem, nominal: nominal_of, units: &units, anchored };
         let (x, p) = tracer.start(chosen)?;
         let memory = tracer.start_memory(chosen);
         let initial: Vec<Id> = x.into_iter().chain(p.entries()).chain(memory.entries()).collect();
         let buffered = Memory::buffered(&problem.filter, problem.model.measurements.len());
         let current = partition.unwrap_or_else(|| Partition::by_initial(&tracer.g, &initial, buffered));
-        let step = Step::trace(&mut tracer, chosen, &current, objectives)?;
+        let step = Step::trace(&mut tracer, chosen, &current, objectives, watch)?;
         if let Some(refined) = current.refine(&tracer.g, &step.next) {
             partition = Some(refined);
             continue;
         }
         let mut program = step.assemble(&mut tracer, &current, &initial, objectives)?;
         program.nominal = nominal;
+        if watch.is_none() {
+            program.positivity = Positivity::new(problem, rows)?;
+        }
         return Ok(program);
     }
 }
@@ -105,6 +121,7 @@ impl Step {
         form: Form,
         partition: &Partition,
         objectives: &[Objective],
+        watch: Option<&Watch>,
     ) -> Result<Self, TraceError> {
         let model = &tracer.problem.model;
         let n = model.states.len();
@@ -141,6 +158,10 @@ impl Step {
             let factor = tracer.g.unary(Unary::Positive, *value);
             !sums.contains(&(Role::Product, factor))
         });
+        if let Some(watch) = watch {
+            let after = tracer.columns.node(&mut tracer.g, watch.after());
+            sums.extend(watch.sums((&mut tracer.g, after), &recursion, (&prior, &p), &x));
+        }
         let memory = memory.adapt(&mut tracer.g, &law, &recursion, (&prior, &update));
         memory.adopt(&mut tracer.g, &mut recursion);
         let (x, p) = recursion.predict(&mut tracer.g, &x, &p);
@@ -187,6 +208,7 @@ impl Step {
             columns,
             constants,
             spans,
+            positivity: Positivity::default(),
             constraints: Vec::new(),
             units: tracer.units.clone(),
             nominal: None,

@@ -39,6 +39,8 @@ pub(super) struct Tracer<'a> {
     pub(super) nominal: Option<&'a Nominal>,
     /// In which the filter computes; formulas, columns and the nominal are in the problem's own.
     pub(super) units: &'a Units,
+    /// See [`Recursion::anchored`].
+    pub(super) anchored: bool,
 }
 
 impl Tracer<'_> {
@@ -71,6 +73,7 @@ impl Tracer<'_> {
             drift: self.scaled(&drift, x),
             z: self.scaled(&innovations, y),
             present,
+            anchored: self.anchored,
         })
     }
 
@@ -128,7 +131,8 @@ impl Tracer<'_> {
         let units = &self.units.states;
         let Q = Covariance::Full(self.covariance(&model.q, scope, units));
         let (F, drift) = (self.scaled_map(f.jacobian, units), self.scaled(&f.offset, units));
-        Ok(Recursion { F, H: vec![], Q, R: Symmetric::from_fn(0, |_, _| dt), drift, z: vec![], present: vec![] })
+        let R = Symmetric::from_fn(0, |_, _| dt);
+        Ok(Recursion { F, H: vec![], Q, R, drift, z: vec![], present: vec![], anchored: false })
     }
 
     /// x0 and P0 at the first row, in deviation from the nominal if there is one.

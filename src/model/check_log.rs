@@ -70,7 +70,8 @@ impl Problem {
             return Err(self.log_fault(&["model", "first"], problem));
         }
         if self.model.q.iter().any(|q| q.mentions(|s| s == Symbol::Dt)) {
-            let (low, high) = intervals().fold((f64::INFINITY, 0.0_f64), |(l, h), dt| (l.min(dt), h.max(dt)));
+            let used = log.trajectories.iter().flat_map(|t| (0..t.len()).filter_map(|k| t.dt(k)));
+            let (low, high) = used.fold((f64::INFINITY, 0.0_f64), |(l, h), dt| (l.min(dt), h.max(dt)));
             for dt in [low, high].into_iter().filter(|dt| dt.is_finite() && *dt > 0.0) {
                 definite::check_process_noise(self, dt).map_err(|cause| self.fault(&["model", "Q"], cause))?;
             }

@@ -1,22 +1,82 @@
-//! Whether covariances are covariances at the start values.
+//! What is a covariance, and whether those of a problem are at the start values.
 
 use nalgebra::DMatrix;
 
 use super::error::Cause;
-use super::{Expr, Problem, Symbol};
+use super::{Binary, Expr, ExprKind, Problem, Symbol};
 
-/// Eigenvalues of Q down to minus this share of the largest count as rounding.
-const ROUNDING: f64 = 1e-12;
+/// What a semidefinite matrix may lack, as a share of each variance: the rounding of its entries.
+pub(crate) const ROUNDING: f64 = 1e-12;
 
-/// P0 and R positive definite, Q positive semidefinite (where it has no dt); otherwise the key and what is wrong.
-///
-/// A `factored` matrix M M' is never indefinite, but may round to a singular one: that is left to each candidate's status.
-pub(super) fn check(problem: &Problem, factored: &[&str]) -> Result<(), (&'static str, Box<Cause>)> {
+/// The rule for Q (`semi`), R and P0, of candidates too: every pivot of A = L D L' is above 0. For a semidefinite matrix
+/// the variances are first raised by [`ROUNDING`] of themselves, and one of 0 may stand where nothing correlates with it;
+/// that is the same in any units, of one state or of all.
+pub(crate) fn is_covariance(matrix: &DMatrix<f64>, semi: bool) -> bool {
+    let n = matrix.nrows();
+    let mut rest = matrix.clone();
+    if semi {
+        (0..n).for_each(|j| rest[(j, j)] *= 1.0 + ROUNDING);
+    }
+    for j in 0..n {
+        let pivot = rest[(j, j)];
+        if semi && pivot.abs() <= 0.0 && (j + 1..n).all(|i| rest[(i, j)].abs() <= 0.0) {
+            continue;
+        }
+        if !(pivot > 0.0 && pivot.is_finite()) {
+            return false;
+        }
+        for i in j + 1..n {
+            let share = rest[(i, j)] / pivot;
+            (j + 1..=i).for_each(|k| rest[(i, k)] -= share * rest[(k, j)]);
+        }
+    }
+    true
+}
+
+/// Whether every candidate's R or P0 must be positive definite: M M' may be singular (its innovations tell), and what has
+/// no parameter was judged when the problem was read.
+pub(crate) fn must_be_definite(matrix: &[Expr]) -> bool {
+    let has_parameter = |entry: &Expr| entry.mentions(|s| matches!(s, Symbol::Parameter(_)));
+    matrix.iter().any(has_parameter) && !is_product(matrix)
+}
+
+/// Whether a matrix (row-major) is written as M M', which is semidefinite whatever M is.
+pub(crate) fn is_product(matrix: &[Expr]) -> bool {
+    let n = matrix.len().isqrt();
+    let rows: Option<Vec<Vec<&Expr>>> = (0..n)
+        .map(|i| products(&matrix[i * n + i])?.into_iter().map(|(a, b)| a.same(b).then_some(a)).collect())
+        .collect();
+    let Some(rows) = rows else { return false };
+    let same = |i: usize, j: usize| {
+        let Some(products) = products(&matrix[i * n + j]) else { return false };
+        products.len() == rows[i].len().min(rows[j].len())
+            && products.iter().zip(rows[i].iter().zip(&rows[j])).all(|((a, b), (x, y))| a.same(x) && b.same(y))
+    };
+    (0..n).all(|i| (0..i).all(|j| same(i, j) && matrix[i * n + j].same(&matrix[j * n + i])))
+}
+
+/// The factors of a sum of products.
+fn products(entry: &Expr) -> Option<Vec<(&Expr, &Expr)>> {
+    match &entry.kind {
+        ExprKind::Binary(Binary::Add, a, b) => {
+            let mut all = products(a)?;
+            all.extend(products(b)?);
+            Some(all)
+        }
+        ExprKind::Binary(Binary::Multiply, a, b) => Some(vec![(a, b)]),
+        _ => None,
+    }
+}
+
+/// P0 and R positive definite, Q positive semidefinite (where it has no dt); otherwise the key and what is wrong. M M' may
+/// be singular.
+pub(super) fn check(problem: &Problem) -> Result<(), (&'static str, Box<Cause>)> {
     let model = &problem.model;
     let values = problem.parameters.resolve(&problem.parameters.baseline());
     for (key, matrix, labels) in [("P0", &model.p0, &model.states), ("R", &model.r, &model.measurements)] {
+        let semi = is_product(matrix);
         let matrix = evaluate(matrix, labels.len(), &values, f64::NAN);
-        if let Some(detail) = defect(&matrix, labels, factored.contains(&key)) {
+        if let Some(detail) = defect(&matrix, labels, semi) {
             return Err((key, Cause::NotPositive { key: format!("model.{key}"), semi: false, detail }.into()));
         }
     }
@@ -62,18 +122,44 @@ fn defect(matrix: &DMatrix<f64>, labels: &[String], semi: bool) -> Option<String
             return Some(format!("the variance of `{}` is {variance}, expected {expected}", labels[row]));
         }
     }
-    if !semi {
-        return matrix.clone().cholesky().is_none().then(|| advice(smallest(matrix)));
+    (!is_covariance(matrix, semi)).then(|| {
+        let least = matrix.symmetric_eigenvalues().min();
+        format!("its smallest eigenvalue is {least:.3e} (make the off-diagonal entries smaller)")
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_covariance;
+    use nalgebra::DMatrix;
+
+    fn judged(entries: &[f64]) -> [bool; 2] {
+        let matrix = DMatrix::from_row_slice(entries.len().isqrt(), entries.len().isqrt(), entries);
+        [is_covariance(&matrix, false), is_covariance(&matrix, true)]
     }
-    let largest = matrix.diagonal().amax();
-    let least = smallest(matrix);
-    (least < -ROUNDING * largest * f64::from(u32::try_from(n).unwrap_or(u32::MAX))).then(|| advice(least))
-}
 
-fn smallest(matrix: &DMatrix<f64>) -> f64 {
-    matrix.symmetric_eigenvalues().min()
-}
+    #[test]
+    fn definite_semidefinite_and_neither() {
+        assert_eq!(judged(&[2.0, 1.0, 1.0, 2.0]), [true, true]);
+        assert_eq!(judged(&[1.0, 1.0, 1.0, 1.0]), [false, true], "of rank 1");
+        assert_eq!(judged(&[0.0, 0.0, 0.0, 1.0]), [false, true], "a state without noise");
+        assert_eq!(judged(&[0.0, 1e-9, 1e-9, 1.0]), [false, false], "which cannot correlate");
+        assert_eq!(judged(&[1.0, 2.0, 2.0, 1.0]), [false, false], "indefinite");
+        assert_eq!(judged(&[0.0]), [false, true]);
+        assert_eq!(judged(&[-1e-300]), [false, false], "a variance below 0 in any unit");
+        assert_eq!((judged(&[f64::NAN]), judged(&[f64::INFINITY])), ([false; 2], [false; 2]));
+    }
 
-fn advice(eigenvalue: f64) -> String {
-    format!("its smallest eigenvalue is {eigenvalue:.3e} (make the off-diagonal entries smaller)")
+    /// The noise of a piecewise constant acceleration has rank 1 and entries that round, in whatever units.
+    #[test]
+    fn rounding_and_units_do_not_matter() {
+        for (dt, [a, b, c]) in [(0.1, [1.0, 1.0, 1.0]), (1.0 / 3.0, [1e12, 1e-9, 1.0]), (0.007, [1e-30, 1e30, 1e7])] {
+            let g: [f64; 3] = [0.5 * dt * dt * a, dt * b, c];
+            let of_rank_1: Vec<f64> = (0..9).map(|k| g[k / 3] * g[k % 3]).collect();
+            assert!(judged(&of_rank_1)[1], "dt = {dt}");
+            let mut less = of_rank_1.clone();
+            less[4] *= 1.0 - 1e-9;
+            assert!(!judged(&less)[1], "a correlation above 1, dt = {dt}");
+        }
+    }
 }

@@ -14,6 +14,7 @@ mod problem;
 mod read;
 mod tuned;
 
+pub(crate) use definite::{ROUNDING, is_covariance, is_product, must_be_definite};
 pub use draft::{Draft, draft};
 pub use error::{Cause, Place, ProblemError};
 pub use expr::{Binary, Expr, ExprKind, Function, Span, Symbol};

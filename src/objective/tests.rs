@@ -18,6 +18,12 @@ fn problem(objectives: &str) -> Problem {
     Problem::parse(&text, "edge.toml").unwrap()
 }
 
+/// The same with the first sensor's deviation in place of its variance: R = M M' may be singular, and P after an update too.
+fn exact(objectives: &str) -> Problem {
+    let text = problem(objectives).text.replace("R = [\"r\", 1]", "R = { factor = \"M\", form = \"lower\" }");
+    Problem::parse(&text.replace("r = {", "M21 = 0\nM22 = 1\nM11 = {"), "exact.toml").unwrap()
+}
+
 /// Rows of (z1, z2, true x, true y).
 fn trajectory(rows: &[[f64; 4]]) -> Trajectory {
     let (mut z, mut u, mut truth) = (Table::new(2), Table::new(0), Table::new(2));
@@ -56,20 +62,40 @@ fn assert_equal(problem: &Problem, log: &Log, candidate: [f64; 2]) {
 /// Without noise P is singular after an update, and NEES is not defined there; where truth is unknown nobody asks for it.
 #[test]
 fn nees_asks_nothing_of_rows_without_truth() {
-    let problem = problem("[\"nees\", \"nll\"]");
+    let problem = exact("[\"nees\", \"nll\"]");
     let log = log(&[&[[1.0, 2.0, NAN, NAN], [NAN, 1.0, 0.5, 1.5], [NAN, NAN, 0.6, NAN]]]);
     assert_equal(&problem, &log, [0.0, 0.5]);
 }
 
-/// A Q below 0 can leave S positive and P not: NEES would come out negative, and look good.
+/// Where P is singular NEES is not defined, however good the likelihood.
 #[test]
-fn nees_of_an_indefinite_covariance_fails() {
-    let problem = problem("[\"nees\", \"nll\"]");
+fn nees_of_a_singular_covariance_fails() {
+    let problem = exact("[\"nees\", \"nll\"]");
     let log = log(&[&[[1.0, 2.0, 0.5, 1.5], [NAN, 1.0, 0.5, 1.5]]]);
-    let reference = reference::costs(&problem, &log, &[0.5, -0.9]).unwrap();
+    let reference = reference::costs(&problem, &log, &[0.0, 0.5]).unwrap();
     assert!(reference[0].is_nan() && reference[1].is_finite(), "undefined: {reference:?}");
-    assert!(!evaluate(&problem, &log, [0.5, -0.9]).status(0).is_ok(), "so the candidate is not usable");
+    assert_eq!(evaluate(&problem, &log, [0.0, 0.5]).status(0), Status::NOT_POSITIVE, "so the candidate is not usable");
     assert_equal(&problem, &log, [0.5, 0.5]);
+}
+
+/// A Q below 0 can leave S positive: the likelihood would look good, NEES come out negative.
+#[test]
+fn what_is_no_covariance_fails_whatever_is_scored() {
+    let log = log(&[&[[1.0, 2.0, 0.5, 1.5], [NAN, 1.0, 0.5, 1.5]]]);
+    for objectives in ["[\"nll\"]", "[\"nees\"]", "[\"mse_innovation\", \"rmse\"]"] {
+        let problem = problem(objectives);
+        for (candidate, matrix) in [([0.5, -0.1], "Q"), ([-0.1, 0.5], "R"), ([0.0, 0.5], "R"), ([NAN, 0.5], "R")] {
+            let failure = reference::costs(&problem, &log, &candidate).unwrap_err();
+            assert_eq!(failure.what, reference::Cause::NotCovariance { matrix }, "{candidate:?}");
+            for precision in [Precision::F64, Precision::F32] {
+                let options = CpuOptions { precision, ..CpuOptions::default() };
+                let mut lanes = CpuEvaluator::new(&problem, &log, options).unwrap();
+                let found = lanes.evaluate(&Population::from_rows(2, candidate.to_vec()));
+                assert_eq!(found.status(0), Status::NOT_POSITIVE, "{candidate:?} in {precision}");
+            }
+        }
+        assert_equal(&problem, &log, [0.5, 0.0]);
+    }
 }
 
 #[test]
@@ -128,11 +154,11 @@ fn violations_are_those_of_the_reference() {
     }
 }
 
-/// NEES is no number where P is indefinite: the cost counts, and no bound on NEES is met.
+/// NEES is no number where P is singular: no bound on it is met.
 #[test]
 fn a_bound_on_what_has_no_value_is_not_met() {
-    let problem = problem("[\"nll\"]\nconstraints = [\"nees_mean <= 1e9\"]");
+    let problem = exact("[\"nll\"]\nconstraints = [\"nees_mean <= 1e9\"]");
     let log = log(&[&[[1.0, 2.0, 0.5, 1.5], [NAN, 1.0, 0.5, 1.5]]]);
-    let found = evaluate(&problem, &log, [0.5, -0.9]);
+    let found = evaluate(&problem, &log, [0.0, 0.5]);
     assert!(found.violation(0).is_infinite(), "{}", found.violation(0));
 }

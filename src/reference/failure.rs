@@ -22,7 +22,13 @@ pub struct Failure {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum Cause {
     /// Q, R or P0 is no covariance for this candidate.
-    #[error("the innovation covariance S is not positive definite (check that Q, R and P0 are covariances)")]
+    #[error("`{matrix}` is no covariance for this candidate ({}; narrow the bounds of its parameters)", wanted(matrix))]
+    NotCovariance {
+        /// `Q`, `R` or `P0`.
+        matrix: &'static str,
+    },
+    /// R and P are singular in one direction.
+    #[error("the innovation covariance S is not positive definite (give every measurement some noise)")]
     NotPositive,
     /// An overflow, or a NaN from a formula or an input.
     #[error("the filter met a number that is not finite (check the formulas, their parameters and the inputs)")]
@@ -44,6 +50,10 @@ pub enum Cause {
     /// The log has other measurement or input columns than the model.
     #[error("the log's measurements and inputs are not the model's (check [data])")]
     WrongColumns,
+}
+
+fn wanted(matrix: &str) -> &'static str {
+    if matrix == "Q" { "it must be positive semidefinite" } else { "it must be positive definite" }
 }
 
 impl Failure {

@@ -3,7 +3,9 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::evaluate::{Formula, Scope};
-use crate::model::{Expr, Model, Problem, Start};
+use super::Cause;
+use super::square_root::root;
+use crate::model::{Expr, Model, Problem, Start, is_covariance, must_be_definite};
 
 /// The matrices of a linear model for one candidate and one interval, inputs at zero.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,6 +71,8 @@ pub(crate) struct Formulas {
     r: Vec<Formula>,
     p0: Vec<Formula>,
     x0: Option<Vec<Formula>>,
+    /// Whether R and P0 may not be singular.
+    definite: [bool; 2],
     stack: Vec<f64>,
     states: Vec<f64>,
 }
@@ -92,6 +96,7 @@ impl Formulas {
                 Start::Values(list) => Some(compile(list)),
                 Start::Measurement => None,
             },
+            definite: [must_be_definite(&model.r), must_be_definite(&model.p0)],
             stack: Vec::new(),
             states: vec![0.0; model.states.len()],
         }
@@ -124,6 +129,21 @@ impl Formulas {
         fill(&self.p0, &scope, &mut self.stack, out);
     }
 
+    /// B with B' B = Q, where that is a covariance.
+    pub(super) fn process_root(&self, q: &DMatrix<f64>) -> Result<DMatrix<f64>, Cause> {
+        covariance_root(q, false, "Q")
+    }
+
+    /// The same of R.
+    pub(super) fn measurement_root(&self, r: &DMatrix<f64>) -> Result<DMatrix<f64>, Cause> {
+        covariance_root(r, self.definite[0], "R")
+    }
+
+    /// The same of P0.
+    pub(super) fn initial_root(&self, p0: &DMatrix<f64>) -> Result<DMatrix<f64>, Cause> {
+        covariance_root(p0, self.definite[1], "P0")
+    }
+
     pub(crate) const fn starts_from_measurement(&self) -> bool {
         self.x0.is_none()
     }
@@ -136,6 +156,11 @@ impl Formulas {
             *entry = formula.value(&scope, &mut self.stack);
         }
     }
+}
+
+fn covariance_root(a: &DMatrix<f64>, definite: bool, matrix: &'static str) -> Result<DMatrix<f64>, Cause> {
+    let judged = is_covariance(a, !definite).then(|| root(a)).flatten();
+    judged.ok_or(Cause::NotCovariance { matrix })
 }
 
 /// Row-major formulas into a matrix.

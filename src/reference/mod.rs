@@ -1,8 +1,8 @@
 //! The f64 oracle: a textbook filter on dense matrices that reads the formula trees itself.
 //!
 //! It runs `kfgpu filter`, certifies winners and judges every faster path, so it shares no arithmetic with the tape:
-//! formulas are evaluated as they stand, F and H come from unit vectors, the update is joint with a Cholesky
-//! factor of S, and P takes the Joseph form. `docs/semantics.md` is its specification.
+//! formulas are evaluated as they stand, F and H come from unit vectors, the update is joint, and P
+//! is carried by its square root, through Householder reflections, so that it is right where it certifies. `docs/semantics.md` is its specification.
 
 mod adaptive;
 mod evaluate;
@@ -13,6 +13,7 @@ mod observation;
 mod run;
 mod score;
 mod smoother;
+mod square_root;
 mod steady;
 
 pub use evaluate::{Scope, evaluate};

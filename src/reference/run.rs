@@ -1,11 +1,12 @@
 //! One candidate through a whole log: where each trajectory starts, and what happens at its rows.
 
-use nalgebra::{Cholesky, DVector};
+use nalgebra::{DMatrix, DVector};
 
 use super::adaptive::Adaptation;
 use super::kalman::{Estimate, Kalman, Noise, Update};
 use super::matrices::Formulas;
 use super::score::Scorer;
+use super::square_root::solve_transposed;
 use super::{Cause, Failure};
 use crate::data::{HeldOut, Log, Trajectory};
 use crate::model::{First, Problem};
@@ -43,6 +44,8 @@ pub(super) struct Moment<'a> {
     pub(super) row: usize,
     pub(super) prior: &'a Estimate,
     pub(super) posterior: &'a Estimate,
+    /// The upper triangular root of its covariance.
+    pub(super) posterior_root: &'a DMatrix<f64>,
     pub(super) update: Option<&'a Update>,
     /// What an adaptive filter goes on with.
     pub(super) noise: Noise<'a>,
@@ -97,7 +100,7 @@ impl Moment<'_> {
             prior: self.prior.clone(),
             update: self.update.cloned(),
             posterior: self.posterior.clone(),
-            nees: truth.nees(trajectory, self.row, self.posterior),
+            nees: truth.nees(trajectory, self),
         }
     }
 }
@@ -164,7 +167,7 @@ fn scores_where(
             return;
         }
         let trajectory = &log.trajectories[moment.trajectory];
-        let nees = || truth.nees(trajectory, moment.row, moment.posterior);
+        let nees = || truth.nees(trajectory, &moment);
         scorer.row(moment.trajectory, (trajectory, moment.row), &moment.posterior.x, moment.update, nees);
     })?;
     Ok(scorer.costs())
@@ -200,6 +203,7 @@ pub(super) fn walk(
                 row,
                 prior: &filter.prior,
                 posterior: &filter.posterior,
+                posterior_root: &filter.posterior_root,
                 update: updated.then(|| filter.latest()),
                 noise: filter.noise(),
             });
@@ -257,10 +261,14 @@ impl Truth {
     }
 
     /// e' P^-1 e where truth of all states is there; NaN when P is not positive definite.
-    pub(super) fn nees(&self, trajectory: &Trajectory, row: usize, estimate: &Estimate) -> Option<f64> {
+    pub(super) fn nees(&self, trajectory: &Trajectory, moment: &Moment<'_>) -> Option<f64> {
+        let Moment { row, posterior, posterior_root: root, .. } = moment;
         let n = self.column.len();
-        let error: Option<Vec<f64>> = (0..n).map(|i| self.error(trajectory, row, i, &estimate.x)).collect();
+        let error: Option<Vec<f64>> = (0..n).map(|i| self.error(trajectory, *row, i, &posterior.x)).collect();
         let error = DVector::from_vec(error?);
-        Some(Cholesky::new(estimate.p.clone()).map_or(f64::NAN, |c| error.dot(&c.solve(&error))))
+        let known = |i: usize| root[(i, i)].abs() <= 8.0 * f64::EPSILON * posterior.p[(i, i)].sqrt();
+        let mut normalised = DVector::zeros(n);
+        solve_transposed(root, &error, &mut normalised);
+        Some(if (0..n).any(known) { f64::NAN } else { normalised.norm_squared() })
     }
 }

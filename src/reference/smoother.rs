@@ -158,7 +158,7 @@ impl Later {
 
     /// With the Q of this step where it is not the model's.
     fn before_transition(&mut self, dt: f64, inputs: &[f64], adapted: Option<&DMatrix<f64>>) -> Result<(), Cause> {
-        self.transition.prepare(&mut self.formulas, dt, inputs);
+        let _ = self.transition.prepare(&mut self.formulas, dt, inputs);
         let Transition { f, q, .. } = &self.transition;
         let q = adapted.unwrap_or(q);
         let c = parallel(&self.information, q)?;

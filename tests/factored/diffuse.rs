@@ -1,6 +1,6 @@
 //! Single precision under a diffuse P0, against the f64 reference, in both forms.
 //!
-//! The reference itself is off by 3e-9 of a total nll at P0/R = 1e8 and by 1.3e-5 at 1e12 (`golden_reference/diffuse.rs`).
+//! The reference itself is right to 1e-13 of a total nll at any ratio (`golden_reference/diffuse.rs`).
 
 use crate::case::Case;
 use kfgpu::evaluate::{Evaluation, Precision};

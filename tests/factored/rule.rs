@@ -33,10 +33,19 @@ fn the_largest_initial_variance_over_the_smallest_noise_decides() {
     assert_eq!(chosen("p", "s^2", "1", "s = { init = [1, 32] }"), Form::Factored, "the first population's range");
 }
 
+/// Not by P0 alone: by what an update really takes away.
 #[test]
-fn double_precision_carries_the_covariance() {
-    let case = case("p", "1e8", "r", "r = { min = 0.5, max = 2, start = 1 }");
-    assert_eq!(case.program(Precision::F64, None).form, Form::Full);
+fn double_precision_carries_factors_where_an_update_takes_six_digits() {
+    let r = "r = { min = 0.5, max = 2, start = 1 }";
+    let chosen = |h, p0| case(h, p0, "r", r).program(Precision::F64, None).form;
+    assert_eq!(chosen("p", "1e5"), Form::Full, "P0/R = 2e5");
+    assert_eq!(chosen("p", "1e8"), Form::Factored);
+    assert_eq!(chosen("v", "1e8"), Form::Full, "what a sensor sees alone is multiplied, and no other state is diffuse");
+}
+
+#[test]
+fn the_form_is_said() {
+    let case = case("p", "1e5", "r", "r = { min = 0.5, max = 2, start = 1 }");
     let listing = case.program(Precision::F32, None).to_string();
     assert!(listing.contains("\n# carries x and factors P = U D U'\n"), "{listing}");
     for name in ["D.p = ", "U.p.v = ", "D.v = "] {

@@ -96,9 +96,9 @@ state = ["bias", "level"]
 f = ["bias", "level"]
 h = ["level + bias"]
 Q = { level = "q" }
-R = ["r"]
+R = ["r*r"]
 x0 = [0.5, 0]
-P0 = ["m^2", 4]"#;
+P0 = [["m*m", "0*m"], ["0*m", "0*0 + 2*2"]]"#;
 
 fn case(name: &str, model: &str, more: &str, simulate: &str) -> Case {
     let text = format!(
@@ -108,7 +108,7 @@ fn case(name: &str, model: &str, more: &str, simulate: &str) -> Case {
     Case::simulated(name, &text)
 }
 
-/// A bias of variance m^2 that no noise moves, on a level.
+/// A bias of variance m^2 that no noise moves, on a level seen with variance r^2: both may be 0, as products.
 pub(crate) fn known() -> Case {
     case("a state without noise that may be known", KNOWN, "m = { min = 0, max = 1, start = 0.5 }", "missing = 0.1")
 }

@@ -7,6 +7,7 @@ mod adaptive_study;
 mod calibration;
 mod diffuse;
 mod examples;
+mod gap;
 mod held_out;
 mod joint;
 mod joint_density;

@@ -252,8 +252,8 @@ fn dt_is_the_interval_to_the_next_row() {
 #[test]
 fn failures_name_their_place() {
     let negative = Linear::level(0.25, -5.0, 3.0);
-    let failure = run(&negative.problem(), &log(vec![scalars(&[NAN, 4.0])]), &[]).expect_err("S = 3.25 - 5");
-    assert_eq!((failure.row, failure.line, failure.what), (1, 3, Cause::NotPositive), "{failure}");
+    let failure = run(&negative.problem(), &log(vec![scalars(&[NAN, 4.0])]), &[]).expect_err("R = -5");
+    assert_eq!((failure.row, failure.line, failure.what), (0, 2, Cause::NotCovariance { matrix: "R" }), "{failure}");
     let exploding = Linear { f: matrix([[1e200]]), ..level() };
     let failure = run(&exploding.problem(), &log(vec![scalars(&[4.0, NAN, 4.0])]), &[]).expect_err("overflows");
     assert_eq!(failure.what, Cause::NotFinite, "{failure}");

@@ -48,6 +48,9 @@ fn judge(
     if promised {
         wrong.extend((turned > 0).then(|| format!("{name}: {turned} pairs misplaced")));
         wrong.extend(unequal_status(case, costs, &found));
+        let unequal = (0..found.len()).filter(|i| found.status(*i) != lanes.status(*i));
+        let sentence = |i| format!("{name}: candidate {i}: {:?}, the lanes {:?}", found.status(i), lanes.status(i));
+        wrong.extend(unequal.map(sentence));
     }
     wrong
 }

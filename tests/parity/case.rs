@@ -5,7 +5,7 @@ use kfgpu::data::Log;
 use kfgpu::evaluate::Population;
 use kfgpu::model::{Parameters, Problem, Scale};
 use kfgpu::optimize::random::{Purpose, Stream};
-use kfgpu::reference;
+use kfgpu::reference::{self, Cause};
 
 /// What single precision owes to a case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,7 +23,7 @@ pub(crate) enum Single {
 pub(crate) enum Double {
     /// 1e-10, relative to max(1, |cost|).
     Promised,
-    /// As recorded: P0/R above 1e6.
+    /// As recorded.
     Measured,
 }
 
@@ -37,8 +37,17 @@ pub(crate) struct Case {
     pub(crate) double: Double,
 }
 
-/// Costs of every candidate by the reference; `None` where it fails or a cost is no number.
-pub(crate) type Costs = Vec<Option<Vec<f64>>>;
+/// Costs of every candidate by the reference, or why there are none.
+pub(crate) type Costs = Vec<Result<Vec<f64>, Refusal>>;
+
+/// Why the reference has no costs for a candidate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Refusal {
+    /// A covariance is none: every device says so by [`Status::NOT_POSITIVE`](kfgpu::evaluate::Status::NOT_POSITIVE).
+    NotPositive,
+    /// It met a number that is not finite, or a cost is none. Overflow comes earlier in f32.
+    NotFinite,
+}
 
 /// Every objective, with default options.
 pub(crate) const ALL: &str = r#"["nll", "mse_innovation", "mismatch", "nis", "nees", "rmse", "distance"]"#;
@@ -117,8 +126,15 @@ impl Case {
     }
 
     pub(crate) fn reference(&self) -> Costs {
-        let costs = |candidate| reference::costs(&self.problem, &self.log, candidate).ok();
-        self.population.rows().map(|c| costs(c).filter(|costs| costs.iter().all(|c| c.is_finite()))).collect()
+        let costs = |candidate| match reference::costs(&self.problem, &self.log, candidate) {
+            Ok(costs) if costs.iter().all(|cost| cost.is_finite()) => Ok(costs),
+            Ok(_) => Err(Refusal::NotFinite),
+            Err(failure) => Err(match failure.what {
+                Cause::NotCovariance { .. } | Cause::NotPositive | Cause::Setting { .. } => Refusal::NotPositive,
+                _ => Refusal::NotFinite,
+            }),
+        };
+        self.population.rows().map(costs).collect()
     }
 }
 

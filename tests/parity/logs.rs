@@ -32,6 +32,8 @@ pub(crate) enum Gap {
     Leading(usize),
     /// One component in the whole of one trajectory.
     Component { component: usize, trajectory: usize },
+    /// These rows of a component, or whole where it is `None`.
+    Away { component: Option<usize>, rows: (usize, usize) },
     /// Each true state with this probability.
     Truth(f64),
 }
@@ -169,6 +171,9 @@ impl Source<'_> {
                     Gap::Rows(share) => row < share,
                     Gap::Leading(rows) => k < rows,
                     Gap::Component { component, trajectory: t } => i == component && trajectory == t,
+                    Gap::Away { component, rows: (from, to) } => {
+                        component.is_none_or(|c| c == i) && (from..to).contains(&k)
+                    }
                     Gap::Truth(_) => false,
                 };
                 *z = if missing { f64::NAN } else { *z };

@@ -1,7 +1,7 @@
 //! What is promised of a cost, and how far costs are from it.
 
-use crate::case::{Case, Costs};
-use kfgpu::evaluate::{Evaluation, Precision};
+use crate::case::{Case, Costs, Refusal};
+use kfgpu::evaluate::{Evaluation, Precision, Status};
 use kfgpu::objective::Kind;
 
 /// What f64 promises: 1e-10 of a cost, or of 1 where it is smaller.
@@ -15,9 +15,14 @@ pub(crate) fn single(case: &Case, kind: Kind, expected: f64) -> f64 {
     kind.resolution(Precision::F32, expected, case.log.rows())
 }
 
-/// Sentences on candidates that one side fails and the other does not.
+/// Sentences on candidates whose status is not what the reference says: bit for bit, where it knows the bit.
 pub(crate) fn unequal_status(case: &Case, costs: &Costs, evaluation: &Evaluation) -> Vec<String> {
-    let unequal = (0..costs.len()).filter(|i| evaluation.status(*i).is_ok() != costs[*i].is_some());
+    let equal = |i: usize| match (&costs[i], evaluation.status(i)) {
+        (Ok(_), status) => status.is_ok(),
+        (Err(Refusal::NotPositive), status) => status == Status::NOT_POSITIVE,
+        (Err(Refusal::NotFinite), status) => [Status::NOT_POSITIVE, Status::NOT_FINITE].contains(&status),
+    };
+    let unequal = (0..costs.len()).filter(|i| !equal(*i));
     let describe = |i: usize| {
         let (candidate, status, found) = (case.population.row(i), evaluation.status(i), evaluation.costs(i));
         format!("{}: candidate {i} {candidate:?}: lanes {status:?} {found:?}, reference {:?}", case.name, costs[i])
@@ -30,7 +35,7 @@ pub(crate) fn worst(case: &Case, costs: &Costs, evaluation: &Evaluation, promise
     let mut worst: f64 = 0.0;
     for (i, expected) in costs.iter().enumerate() {
         let candidate = case.population.row(i);
-        let Some(expected) = expected else { continue };
+        let Ok(expected) = expected else { continue };
         for ((objective, cost), expected) in case.problem.tune.objectives.iter().zip(evaluation.costs(i)).zip(expected)
         {
             let error = (cost - expected).abs() / promise(case, objective.kind, *expected);
@@ -50,7 +55,7 @@ pub(crate) fn misplaced(
     evaluation: &Evaluation,
     promise: fn(&Case, Kind, f64) -> f64,
 ) -> usize {
-    let usable: Vec<usize> = (0..costs.len()).filter(|i| costs[*i].is_some()).collect();
+    let usable: Vec<usize> = (0..costs.len()).filter(|i| costs[*i].is_ok()).collect();
     let mut found = 0;
     for (objective, k) in case.problem.tune.objectives.iter().zip(0..) {
         let expected = |i: usize| costs[i].as_ref().map_or(f64::NAN, |c| c[k]);

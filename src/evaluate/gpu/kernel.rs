@@ -6,7 +6,7 @@ use super::layout::{Header, Layout, Round};
 use super::totals::{Sums, Totals};
 use super::upload::{self, word};
 use super::{GpuError, GpuOptions, prologue, shader};
-use crate::evaluate::{Evaluation, Population, Precision};
+use crate::evaluate::{Evaluation, Population, Precision, Status};
 use crate::filter::Program;
 use std::time::Duration;
 use wgpu::{BufferUsages as Usage, Limits};
@@ -89,7 +89,11 @@ impl Kernel {
                     *time += clock.read(gpu)?;
                 }
             }
-            parts.push(sums.finish());
+            let (costs, mut status) = sums.finish();
+            for i in program.positivity.refused(part) {
+                status[i] = status[i].union(Status::NOT_POSITIVE);
+            }
+            parts.push((costs, status));
         }
         Ok((Evaluation::of_parts(program, parts), time))
     }

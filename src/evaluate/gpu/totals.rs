@@ -88,7 +88,12 @@ fn add(program: &Program, open: &mut [f64], mut next: impl FnMut() -> f64) -> St
             Role::Check => {}
             role => {
                 let Some(sum) = open.next() else { continue };
-                *sum += if role == Role::Sum { next() } else { next() * LN_2 + next().ln() };
+                let total = if role == Role::Sum { next() } else { next() * LN_2 + next().ln() };
+                // The mantissa of a product that met a variance not positive, or not finite, is 0.
+                if role == Role::Product && !total.is_finite() {
+                    status = status.union(Status::NOT_POSITIVE);
+                }
+                *sum += total;
             }
         }
     }

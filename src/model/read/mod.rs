@@ -106,7 +106,6 @@ fn read(text: &str, source: &str) -> Result<Problem, Fault> {
     let filter = filter::read(&document, &model, &parameters, &names)?;
     let problem =
         Problem { source: source.to_owned(), text: text.to_owned(), data, model, parameters, filter, tune, simulate };
-    let factored: Vec<&str> = draft.factors.iter().map(|f| f.matrix).collect();
-    definite::check(&problem, &factored).map_err(|(key, cause)| Fault::new(locate(text, &["model", key]), cause))?;
+    definite::check(&problem).map_err(|(key, cause)| Fault::new(locate(text, &["model", key]), cause))?;
     Ok(problem)
 }

@@ -6,6 +6,7 @@ mod correlated;
 mod diffuse;
 mod failing;
 mod formulas;
+mod gaps;
 mod large;
 
 use crate::case::Case;
@@ -36,5 +37,6 @@ pub(crate) fn all() -> Vec<Case> {
     cases.extend(failing::cases());
     cases.extend(large::cases());
     cases.extend(diffuse::cases());
+    cases.extend(gaps::cases());
     cases
 }

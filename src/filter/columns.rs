@@ -140,6 +140,8 @@ pub(super) enum Key {
     Measured,
     /// 1 where a measurement is present and the buffer of an adaptive filter full.
     Full(usize),
+    /// 1 from the first gap of a trajectory on.
+    AfterGap,
     /// A state of the nominal.
     Nominal(usize),
     /// The same, one row later.

@@ -2,7 +2,7 @@
 
 use super::adaptive::Memory;
 use super::carry::Partition;
-use super::columns::{Columns, Rows};
+use super::columns::{Columns, Key, Rows};
 use super::covariance::Covariance;
 use super::error::TraceError;
 use super::form::{Carrying, Form};
@@ -159,7 +159,7 @@ impl Step {
             !sums.contains(&(Role::Product, factor))
         });
         if let Some(watch) = watch {
-            let after = tracer.columns.node(&mut tracer.g, watch.after());
+            let after = tracer.columns.node(&mut tracer.g, Key::AfterGap, || watch.after());
             sums.extend(watch.sums((&mut tracer.g, after), &recursion, (&prior, &p), &x));
         }
         let memory = memory.adapt(&mut tracer.g, &law, &recursion, (&prior, &update));

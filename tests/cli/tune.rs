@@ -112,7 +112,7 @@ fn the_built_in_example_leaves_a_problem_that_runs() {
 #[test]
 fn a_log_given_by_flag_is_named_in_the_tuned_problem() {
     let folder = Folder::with_level();
-    folder.write("other.csv", crate::command::level_log(40));
+    folder.write("other.csv", level_log(40));
     let json = tune(&folder, &["--data", "other.csv", "--out", "out"]);
     let again = folder.run(&["filter", "out/tuned.toml", "--json"]).expect(0).json();
     assert_eq!(again["objectives"], json["objectives"]);

@@ -165,6 +165,7 @@ mod tests {
     use super::*;
 
     /// Gives its pieces one a read, as a pipe does.
+    #[derive(Debug)]
     struct Pieces(Vec<&'static str>);
 
     impl Read for Pieces {

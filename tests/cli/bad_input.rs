@@ -21,7 +21,7 @@ fn refused_problem(from: &str, to: &str) -> String {
 fn refusal(folder: &Folder) -> String {
     std::fs::create_dir_all(folder.path("out")).unwrap();
     folder.write("out/result.json", "earlier");
-    let message = folder.run(&["tune", "problem.toml", "--out", "out"]).refusal();
+    let message = folder.run(&["tune", "problem.toml", "--out", "out", "--force"]).refusal();
     assert_eq!(folder.read("out/result.json"), "earlier");
     assert_eq!(folder.names("out"), ["result.json"], "no file is left behind");
     message

@@ -28,6 +28,9 @@ pub(super) struct Axis {
 /// Costs at many points in search coordinates; `None` where there is none.
 pub(super) type Costs<'a> = dyn FnMut(&[Vec<f64>]) -> Vec<Option<f64>> + 'a;
 
+/// The centre, moved along some axes.
+type Shifted<'a> = dyn Fn(&[(usize, f64)]) -> Vec<f64> + 'a;
+
 /// Evaluations of the cost that [`Curvature::of`] takes in `d` coordinates, where the second step along each axis fits.
 pub(super) const fn evaluations(d: usize) -> usize {
     1 + d * (d + 3)
@@ -77,12 +80,7 @@ impl Curvature {
 }
 
 /// Finds the step along each axis whose second difference is about [`RISE`], or enough to stand out of rounding.
-fn sides(
-    costs: &mut Costs<'_>,
-    shifted: &dyn Fn(&[(usize, f64)]) -> Vec<f64>,
-    middle: f64,
-    axes: &[Axis],
-) -> Option<Vec<Sides>> {
+fn sides(costs: &mut Costs<'_>, shifted: &Shifted<'_>, middle: f64, axes: &[Axis]) -> Option<Vec<Sides>> {
     let goal = 2.0 * RISE.max(1e4 * ROUNDING * middle.abs());
     let mut found: Vec<Option<Sides>> = vec![None; axes.len()];
     let mut steps: Vec<f64> = axes.iter().map(|axis| axis.first.min(axis.longest)).collect();

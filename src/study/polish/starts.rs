@@ -117,6 +117,9 @@ mod tests {
             slices.sort_by(f64::total_cmp);
             assert_eq!(slices, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0], "coordinate {d}: {points:?}");
         }
-        assert!(points.iter().all(|p| p[2].total_cmp(&2.0).is_eq()) && points != spread(&space, 6, 8), "the seed decides");
+        assert!(
+            points.iter().all(|p| p[2].total_cmp(&2.0).is_eq()) && points != spread(&space, 6, 8),
+            "the seed decides"
+        );
     }
 }

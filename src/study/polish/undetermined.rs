@@ -20,19 +20,14 @@ pub(super) fn put_back(winner: Polished<'_>, place: &mut Place<'_>, polish: &mut
     if moved.is_empty() {
         return Ok(());
     }
-    let put = |from: &[f64], which: &[usize]| {
-        let mut candidate = from.to_vec();
-        which.iter().for_each(|d| candidate[*d] = start[*d]);
-        candidate
-    };
     let mut batch = Population::new(start.len());
     batch.push(candidate);
-    moved.iter().for_each(|d| batch.push(&put(candidate, &[*d])));
+    moved.iter().for_each(|d| batch.push(&put(candidate, &start, &[*d])));
     let costs = crate::study::evaluate(place.evaluator, &batch)?;
     polish.evaluations += batch.len();
     let flat: Vec<usize> = moved.iter().zip(1..).filter(|(_, i)| place.same(&costs, 0, *i)).map(|(d, _)| *d).collect();
-    let Some(chosen) = jointly(candidate, &flat, &put, place, polish)? else { return Ok(()) };
-    let restored = put(candidate, &chosen);
+    let Some(chosen) = jointly((candidate, &start), &flat, place, polish)? else { return Ok(()) };
+    let restored = put(candidate, &start, &chosen);
     let Some(exact) = place.bounds.ask(place.oracle, &restored) else { return Ok(()) };
     let (old, new) = (verdict.objectives[0], exact.objectives[0]);
     if exact.violation <= verdict.violation && (new - old).abs() <= place.resolution(old) {
@@ -44,18 +39,24 @@ pub(super) fn put_back(winner: Polished<'_>, place: &mut Place<'_>, polish: &mut
     Ok(())
 }
 
+/// A candidate with some of its parameters at their start.
+fn put(candidate: &[f64], start: &[f64], which: &[usize]) -> Vec<f64> {
+    let mut moved = candidate.to_vec();
+    which.iter().for_each(|d| moved[*d] = start[*d]);
+    moved
+}
+
 /// Of the parameters that can be put back alone, those that can be together; `None` where there is none.
 fn jointly(
-    candidate: &[f64],
+    (candidate, start): (&[f64], &[f64]),
     flat: &[usize],
-    put: &dyn Fn(&[f64], &[usize]) -> Vec<f64>,
     place: &mut Place<'_>,
     polish: &mut Polish,
 ) -> Result<Option<Vec<usize>>, StudyError> {
     let mut try_all = |which: &[usize]| -> Result<bool, StudyError> {
         let mut batch = Population::new(candidate.len());
         batch.push(candidate);
-        batch.push(&put(candidate, which));
+        batch.push(&put(candidate, start, which));
         let costs = crate::study::evaluate(place.evaluator, &batch)?;
         polish.evaluations += batch.len();
         Ok(place.same(&costs, 0, 1))

@@ -76,11 +76,15 @@ impl RunRecord<'_> {
             let share = significant(series.within.per_cent(), 3);
             let panel =
                 Panel::new(time_axis(self.problem, self.log), of_course(axis, errors.into_iter(), &series.deviation))
-                    .title(format!("{share} % of {} within 3 standard deviations", self.rows_of(series.within.rows)))
-                    .band("± 3 standard deviations", Colour::Blue, series.deviation.band());
+                    .title(format!("{share} % of {} within 3 standard deviations", self.rows_of(series.within.rows)));
+            let band = "± 3 standard deviations";
             let panel = match &series.error_fan {
-                Some(fan) => fan.draw(panel, true),
-                None => panel.line("estimate minus truth", ESTIMATE, series.error.line()),
+                Some(fan) => edges(fan.draw(panel, true), band, &series.deviation),
+                None => panel.band(band, Colour::Blue, series.deviation.band()).line(
+                    "estimate minus truth",
+                    ESTIMATE,
+                    series.error.line(),
+                ),
             };
             panel.horizontal("", Stroke::new(Colour::Grey).width(1.0), 0.0)
         };

@@ -157,9 +157,9 @@ fn heavy_tails(c: &Consistency) -> Option<Finding> {
 
 fn at_bound(name: &str, search: &Search, value: f64) -> Option<Finding> {
     let side = Bound::of(search, value)?;
-    let (value, bound) = (short(value, 5), short(side.value(search), 6));
+    let bound = side.value(search);
     let advice = format!(
-        "{name} = {value} is at its {side} bound {bound}: the optimum lies beyond it, or the model does not need it \
+        "{name} = {value:.4e} is at its {side} bound {bound}: the optimum lies beyond it, or the model does not need it \
          (widen the bound; if it runs on, change the model)"
     );
     Some(Finding { verdict: Verdict::ParameterAtBound, advice })

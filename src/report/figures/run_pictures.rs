@@ -117,7 +117,7 @@ impl RunRecord<'_> {
         let title =
             format!("{share} % of {} within 2 sqrt(S), of a right filter 95 %", self.rows_of(series.within.rows));
         let points = values.points().map(|point| point.1);
-        let axis = Axis::new(format!("innovation of {name}{}", if normalised { " / sqrt(S)" } else { "" }));
+        let axis = Axis::new(format!("innovation of {name}{}", if normalised { " / √S" } else { "" }));
         let axis = if normalised { axis.including(-2.5).including(2.5) } else { of_course(axis, points, &series.band) };
         let mut panel = Panel::new(time_axis(self.problem, self.log), axis).title(title);
         if !normalised && fan.is_none() {

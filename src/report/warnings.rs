@@ -34,7 +34,7 @@ pub enum Warning {
         /// Its name.
         algorithm: String,
     },
-    /// An objective adds squared errors of states whose units differ, because it names no states.
+    /// An objective adds errors of states whose units differ.
     MixedUnits {
         /// `rmse` or `distance`.
         objective: &'static str,
@@ -94,15 +94,12 @@ impl Warning {
     }
 }
 
-/// Objectives that take the error of every state with truth, where one of these is the rate of another.
+/// Objectives that add errors of states of which one is the rate of another.
 pub(super) fn mixed_units(problem: &Problem) -> Vec<Warning> {
-    let model = &problem.model;
-    let known = |i: &usize| problem.data.truth.iter().any(|(state, _)| *state == model.states[*i]);
-    let states: Vec<usize> = (0..model.states.len()).filter(known).collect();
-    let takes_all = |o: &&Objective| matches!(o.kind, Kind::Rmse | Kind::Distance) && o.states.is_empty();
-    let names = || states.iter().map(|i| model.states[*i].clone()).collect();
-    let mixed = problem.tune.objectives.iter().filter(takes_all).filter(|_| differ_in_unit(problem, &states));
-    mixed.map(|o| Warning::MixedUnits { objective: o.name(), states: names() }).collect()
+    let adds = |o: &&Objective| matches!(o.kind, Kind::Rmse | Kind::Distance) && differ_in_unit(problem, &o.states);
+    let names = |o: &Objective| o.states.iter().map(|i| problem.model.states[*i].clone()).collect();
+    let mixed = problem.tune.objectives.iter().filter(adds);
+    mixed.map(|o| Warning::MixedUnits { objective: o.name(), states: names(o) }).collect()
 }
 
 fn not_converged(tuning: &Tuning) -> Option<Warning> {
@@ -167,7 +164,7 @@ impl fmt::Display for Warning {
             ),
             Self::MixedUnits { objective, states } => write!(
                 f,
-                "{objective} adds the errors of {} as numbers, though their units differ (name those that count: {{ name = \
+                "{objective} adds the errors of {} as numbers, though their units differ (name states of one unit: {{ name = \
                  \"{objective}\", states = [\"{}\"] }})",
                 states.join(", "),
                 states.first().map_or("", String::as_str)
@@ -216,7 +213,7 @@ mod tests {
             mixed_units(&Problem::parse(&text, name).unwrap()).iter().map(ToString::to_string).collect::<Vec<_>>()
         };
         let said = warnings("rocket.toml", "[\"nll\", \"rmse\"]");
-        let expected = "rmse adds the errors of d, v, a as numbers, though their units differ (name those that count: \
+        let expected = "rmse adds the errors of d, v, a as numbers, though their units differ (name states of one unit: \
                         { name = \"rmse\", states = [\"d\"] })";
         assert_eq!(said, [expected]);
         let none = Vec::<String>::new();

@@ -143,25 +143,24 @@ impl Range {
     fn slice(&self, objective: &str, points: Vec<(f64, f64)>) -> Panel {
         let axis = if objective == "nll" { rise(&points) } else { cost_axis(objective) };
         let wide = objective != "nll" && is_wide(points.iter().map(|p| p.1));
-        let baseline = match self.holds(self.baseline) {
-            true => "baseline".to_owned(),
-            false => format!("baseline, outside at {}", short(self.baseline, 4)),
-        };
+        let outside = format!("the baseline is at {}, outside", short(self.baseline, 4));
         // Where it lies outside, the axis must not follow it.
         let (low, high) = (self.low, self.high);
         Panel::new(self.axis().range(low, high), axis.log_if(wide))
+            .title(if self.holds(self.baseline) { "" } else { &outside })
             .line("cost, other parameters as tuned", Stroke::new(Colour::Black), points)
             .vertical("tuned", Stroke::new(Colour::Blue), self.winner)
-            .vertical(&baseline, Stroke::dashed(Colour::Red, Dash::Dashed).width(1.6), self.baseline)
+            .vertical("baseline", Stroke::dashed(Colour::Red, Dash::Dashed).width(1.6), self.baseline)
     }
 }
 
-/// An axis for `nll` above that of the tuned parameters, up to what tells of its width.
+/// An axis for `nll` above that of the tuned parameters, up to what tells of its width; down to what lies below, where the
+/// search has stopped short.
 fn rise(points: &[(f64, f64)]) -> Axis {
     let axis = Axis::new("nll − tuned").unit("nats");
     let costs = points.iter().map(|p| p.1).filter(|cost| cost.abs() < 1e300);
     let [low, high] = costs.fold([0.0_f64; 2], |[low, high], cost| [low.min(cost), high.max(cost)]);
-    let high = high.min(low + 1.5 * RISE);
+    let high = high.min(1.5 * RISE);
     let room = 0.05 * (high - low);
     if room > 0.0 { axis.range(low - room, high + room) } else { axis }
 }

@@ -76,11 +76,15 @@ impl RunRecord<'_> {
             let share = significant(series.within.per_cent(), 3);
             let panel =
                 Panel::new(time_axis(self.problem, self.log), of_course(axis, errors.into_iter(), &series.deviation))
-                    .title(format!("{share} % of {} within 3 standard deviations", self.rows_of(series.within.rows)))
-                    .band("± 3 standard deviations", Colour::Blue, series.deviation.band());
+                    .title(format!("{share} % of {} within 3 standard deviations", self.rows_of(series.within.rows)));
+            let band = "± 3 standard deviations";
             let panel = match &series.error_fan {
-                Some(fan) => fan.draw(panel, true),
-                None => panel.line("estimate minus truth", ESTIMATE, series.error.line()),
+                Some(fan) => edges(fan.draw(panel, true), band, &series.deviation),
+                None => panel.band(band, Colour::Blue, series.deviation.band()).line(
+                    "estimate minus truth",
+                    ESTIMATE,
+                    series.error.line(),
+                ),
             };
             panel.horizontal("", Stroke::new(Colour::Grey).width(1.0), 0.0)
         };
@@ -113,7 +117,7 @@ impl RunRecord<'_> {
         let title =
             format!("{share} % of {} within 2 sqrt(S), of a right filter 95 %", self.rows_of(series.within.rows));
         let points = values.points().map(|point| point.1);
-        let axis = Axis::new(format!("innovation of {name}{}", if normalised { " / sqrt(S)" } else { "" }));
+        let axis = Axis::new(format!("innovation of {name}{}", if normalised { " / √S" } else { "" }));
         let axis = if normalised { axis.including(-2.5).including(2.5) } else { of_course(axis, points, &series.band) };
         let mut panel = Panel::new(time_axis(self.problem, self.log), axis).title(title);
         if !normalised && fan.is_none() {

@@ -30,7 +30,12 @@ impl Ticks {
             return ticks;
         }
         // One label says nothing of the scale. Of closer steps the outermost two have room before all have.
-        let mut closer = (3..60).map(|most| Self::at_most(axis, scale, most).outermost());
+        let steps = |most| {
+            // On a log axis these are 1, 2 and 5 however many are asked for.
+            let even = (scale.log && axis.instants.is_none()).then(|| linear(axis, scale, most));
+            [Some(Self::at_most(axis, scale, most)), even].into_iter().flatten()
+        };
+        let mut closer = (3..60).flat_map(steps).map(Self::outermost);
         closer.find(|ticks| ticks.major.len() > 1 && ticks.have_room(length)).unwrap_or_else(|| {
             let mut ticks = Self::at_most(axis, scale, 2);
             ticks.major.truncate(1);

@@ -75,6 +75,10 @@ fn negated(a: Expr) -> Expr {
 /// `a op b` without zeros, ones and operations on numbers alone; a number in a product comes first.
 fn joined(op: Binary, a: Expr, b: Expr) -> Expr {
     let is = |expr: &Expr, value: f64| number(expr).is_some_and(|v| (v - value).abs() <= 0.0);
+    if op == Binary::Multiply && (is(&a, 0.0) || is(&b, 0.0)) {
+        // Also of what is no number: a state that does not stand in a formula has no derivative there.
+        return Expr::number(0.0);
+    }
     if number(&a).is_some() && number(&b).is_some() {
         return Expr::number(Expr::binary(op, a, b).evaluate(&|_| f64::NAN));
     }
@@ -82,7 +86,6 @@ fn joined(op: Binary, a: Expr, b: Expr) -> Expr {
         Binary::Add if is(&a, 0.0) => b,
         Binary::Add | Binary::Subtract if is(&b, 0.0) => a,
         Binary::Subtract if is(&a, 0.0) => negated(b),
-        Binary::Multiply if is(&a, 0.0) || is(&b, 0.0) => Expr::number(0.0),
         Binary::Divide if is(&a, 0.0) => Expr::number(0.0),
         Binary::Multiply if is(&a, 1.0) => b,
         Binary::Multiply | Binary::Divide | Binary::Power if is(&b, 1.0) => a,

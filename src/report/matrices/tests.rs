@@ -98,7 +98,7 @@ objectives = ["nll"]
     let found = matrices(text, "t,z\n0,1\n1,1\n3,2\n");
     assert_eq!((found.dt, &found.varies[..]), (None, &["F", "Q"][..]));
     assert_eq!(found.F.to_string(), "[[ 1, dt],\n [ 0,  1]]");
-    assert_eq!(found.Q.to_string(), "[[ 0.1*dt^3, 0.15*dt^2],\n [0.15*dt^2,     0.3*dt]]");
+    assert_eq!(found.Q.to_string(), "[[ 0.1*dt^3, 0.15*dt^2],\n [0.15*dt^2,    0.3*dt]]");
     assert!(found.to_string().ends_with("K changes from row to row, as F and Q do.\n"), "{found}");
     let regular = matrices(text, "t,z\n0,1\n2,1\n4,2\n");
     assert_eq!((regular.dt, regular.gain, regular.varies.len()), (Some(2.0), Gain::Steady, 0));

@@ -198,7 +198,7 @@ fn a_gap_does_not_hide_the_other_innovations() {
     let problem = Problem::parse(MOVING, "moving.toml").unwrap();
     expect(&of_run(&problem, &with_a_gap(0)), "innovations", &["innovation of east", "± 2 sqrt(S)"]);
     let found = of_run(&problem, &with_a_gap(400));
-    expect(&found, "innovations", &["innovation of east / sqrt(S)", "innovation of up / sqrt(S)", "± 2"]);
+    expect(&found, "innovations", &["innovation of east / √S", "innovation of up / √S", "± 2"]);
 }
 
 #[test]

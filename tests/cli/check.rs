@@ -77,8 +77,10 @@ fn a_glitch_fails_and_is_named() {
     folder.run(&["tune", "glitch.toml", "--quiet", "--out", "tuned"]).expect(0);
     for parameters in ["right.toml", "tuned/tuned.toml"] {
         let finished = folder.run(&["check", "glitch.toml", "--parameters", parameters]).expect(1);
+        let said = finished.stdout.lines().find(|line| line.trim_start().starts_with("outliers: ")).unwrap_or_default();
+        // Behind the wrong value stands its echo, which the estimate takes a few rows to forget.
         assert!(
-            finished.stdout.contains("outliers: line 201 (row 199, time 199) of glitch.csv alone is "),
+            said.contains("line 201 (row 199, time 199)") && said.contains("of the sum of NIS"),
             "{}",
             finished.stdout
         );

@@ -35,8 +35,20 @@ pub(super) struct RowNis {
     pub(super) nis: f64,
     /// Number of present components.
     pub(super) components: u32,
+    /// Number of the measured row in its trajectory, from 1.
+    pub(super) number: usize,
+}
+
+impl RowNis {
     /// Whether it is one of the first [`SETTLING`] measured rows of its trajectory.
-    pub(super) first: bool,
+    pub(super) const fn is_first(&self) -> bool {
+        self.number <= SETTLING
+    }
+
+    /// Whether it is one of as many rows after those.
+    pub(super) const fn is_next(&self) -> bool {
+        SETTLING < self.number && self.number <= 2 * SETTLING
+    }
 }
 
 /// A sum with the number of degrees of freedom that it has.
@@ -86,12 +98,12 @@ impl<'a> Evidence<'a> {
         }
         let Some(update) = &step.update else { return };
         self.measured[trajectory] += 1;
-        let first = self.measured[trajectory] <= SETTLING;
+        let number = self.measured[trajectory];
         let components = u32::try_from(update.present.len()).unwrap_or(u32::MAX);
-        self.rows.push(RowNis { trajectory, row: step.row, nis: update.nis, components, first });
+        self.rows.push(RowNis { trajectory, row: step.row, nis: update.nis, components, number });
         for (&i, value) in update.present.iter().zip(normalised(update)) {
             self.series[i][trajectory].push(value);
-            self.unsettled[i][trajectory] += usize::from(first);
+            self.unsettled[i][trajectory] += usize::from(number <= SETTLING);
         }
     }
 
@@ -113,10 +125,11 @@ impl<'a> Evidence<'a> {
     /// after them; since the filter is accused then anyway, this second look costs no false alarm.
     #[must_use]
     pub fn judge(&self, problem: &Problem, candidate: &[f64]) -> Consistency {
-        let (first, settled): (Vec<&RowNis>, Vec<&RowNis>) = self.rows.iter().partition(|row| row.first);
+        let (first, settled): (Vec<&RowNis>, Vec<&RowNis>) = self.rows.iter().partition(|row| row.is_first());
         let (first, settled_sum) = (Sum::of(first), Sum::of(settled.iter().copied()));
         let start = mean::start_test(first, settled_sum);
-        let start_is_wrong = start.as_ref().is_some_and(|test| !test.pass);
+        let next = Sum::of(settled.iter().copied().filter(|row| row.is_next()));
+        let start_is_wrong = start.as_ref().is_some_and(|test| !test.pass) && mean::differ(first, next);
         let judged = if start_is_wrong { settled } else { self.rows.iter().collect() };
         let all = Sum::of(&self.rows);
         let nis = Band::of(all.total, number(all.count));

@@ -50,10 +50,18 @@ fn nothing_wrong(c: &Consistency) -> Finding {
     Finding { verdict: Verdict::TooFewInnovations, advice }
 }
 
-/// Whether those that dominate are so few that they are wrong, and not the noise: one, or one row in a hundred.
+/// Whether those that dominate are what is wrong, and not the noise or the model: one or one row in a hundred, and most of
+/// the sum where the innovations are clearly correlated.
 fn are_few(c: &Consistency) -> bool {
     let rows = c.nis_distribution.as_ref().map_or(0, |d| d.rows);
-    c.dominating_rows.len() <= (rows / 100).max(1)
+    let share: f64 = c.dominating_rows.iter().map(|row| row.share).sum();
+    let is_correlated = c.whiteness.iter().any(|w| w.correlated && is_certain(w));
+    c.dominating_rows.len() <= (rows / 100).max(1) && (share > 0.5 || !is_correlated)
+}
+
+/// Whether a correlation is no accident, or so strong that it matters by itself.
+fn is_certain(w: &Whiteness) -> bool {
+    w.p_value < CERTAIN || w.lag_1().abs() >= STRONG
 }
 
 fn outliers(c: &Consistency, source: &str) -> Option<Finding> {
@@ -93,8 +101,18 @@ fn mean(c: &Consistency) -> Option<Finding> {
     Some(Finding { verdict, advice })
 }
 
+/// The first rows, which are to blame themselves or are of a piece with what follows them.
 fn start(c: &Consistency) -> Option<Finding> {
     let test = failed(c, TestKind::FirstRows)?;
+    if c.judged_after == 0 {
+        let advice = format!(
+            "NIS is {} in the first {SETTLING} measured rows, and {} after them, but not at once: the noise changes with time",
+            short(test.measured, 3),
+            short(c.nis_settled, 3)
+        );
+        let told = failed(c, TestKind::NisOverTime).is_some() || failed(c, TestKind::MeanNis).is_some();
+        return (!told).then_some(Finding { verdict: Verdict::ChangesWithTime, advice });
+    }
     let size = if test.measured > 1.0 { "small" } else { "large" };
     let rest = if failed(c, TestKind::MeanNis).is_none() { ", and Q and R fit" } else { "" };
     let advice = format!(
@@ -121,11 +139,10 @@ fn correlated(c: &Consistency) -> Option<Finding> {
         format!("{} (lag {lag}: {r:+.2})", w.measurement)
     };
     let names = those.iter().map(name).collect::<Vec<_>>().join(", ");
-    let is_certain = least < CERTAIN || those.iter().any(|w| w.lag_1().abs() >= STRONG);
     let cause = if failed(c, TestKind::MeanNis).is_some() {
         "either the noise alone is wrong or the model too (tune first; if they stay correlated, change the model)"
             .to_owned()
-    } else if is_certain {
+    } else if those.iter().any(|w| is_certain(w)) {
         "the model, not only the noise, is wrong (try a model of higher order, a bias state or coloured noise; if nothing \
          was tuned yet, tune first)"
             .to_owned()

@@ -1,5 +1,7 @@
 //! The mean NIS, of the whole log and of its first rows.
 
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+
 use super::band::{Band, two_sided};
 use super::evidence::{SETTLING, Sum};
 use super::whiteness::number;
@@ -17,6 +19,13 @@ pub(super) fn test(nis: Sum) -> Option<Test> {
 pub(super) fn start_test(first: Sum, settled: Sum) -> Option<Test> {
     let name = format!("mean NIS of the first {SETTLING} measured rows");
     if settled.count < SETTLED { None } else { tested(TestKind::FirstRows, &name, first) }
+}
+
+/// Whether the first rows differ from those that follow, by an F test at 5 %: if not, what is wrong with them is not the
+/// start. It decides which of two things is said, not whether anything is.
+pub(super) fn differ(first: Sum, next: Sum) -> bool {
+    let ratio = first.mean() / next.mean();
+    FisherSnedecor::new(number(first.count), number(next.count)).is_ok_and(|f| f.cdf(ratio).min(f.sf(ratio)) < 0.025)
 }
 
 fn tested(kind: TestKind, name: &str, nis: Sum) -> Option<Test> {

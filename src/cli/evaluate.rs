@@ -21,10 +21,10 @@ use crate::report::{Named, exact};
 /// Score given candidates: CSV in, CSV of costs out, in the same order.
 ///
 /// The input's header names the searched parameters, in any order; values are in their own units. The answer has one
-/// column per objective, `violation` if the problem has constraints (0 = feasible), and `status`: 0 = usable, 1 = a
-/// covariance was not positive, 2 = a cost was not finite, 8 = the line is no candidate (bits add up). A candidate that
-/// failed costs 1.7976931348623157e308, the worst finite number. One outside the bounds of its parameters is scored like
-/// any other, and the first is said on stderr.
+/// column per objective, `violation` if the problem has constraints (0 = feasible), and `status`: 0 = usable, 1 = Q, R
+/// or P0 is no covariance or that of the innovations was not positive, 2 = a cost was not finite for another reason, 8 =
+/// the line is no candidate. A candidate that failed costs 1.7976931348623157e308, the worst finite number. One outside
+/// the bounds of its parameters is scored like any other, and the first is said on stderr.
 ///
 /// With `-` candidates are answered as they arrive, line by line, as long as the input lasts: one process serves a
 /// whole search. A line that is no candidate (NaN, an empty cell, a cell too few) is answered as failed, with status 8,

@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::evaluate::{Formula, Scope};
 use super::Cause;
+use super::evaluate::{Formula, Scope};
 use super::square_root::root;
 use crate::model::{Expr, Model, Problem, Start, is_covariance, must_be_definite};
 

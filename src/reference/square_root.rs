@@ -50,7 +50,9 @@ pub(super) fn root(a: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let mut rest = DMatrix::from_fn(n, n, share);
     let mut root = DMatrix::zeros(n, n);
     let mut open: Vec<usize> = (0..n).collect();
-    while let Some(at) = (0..open.len()).max_by(|i, k| rest[(open[*i], open[*i])].total_cmp(&rest[(open[*k], open[*k])])) {
+    while let Some(at) =
+        (0..open.len()).max_by(|i, k| rest[(open[*i], open[*i])].total_cmp(&rest[(open[*k], open[*k])]))
+    {
         let (j, row) = (open[at], n - open.len());
         let pivot = rest[(j, j)];
         if pivot <= ROUNDING {

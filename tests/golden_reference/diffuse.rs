@@ -10,12 +10,12 @@ const ROWS: u32 = 60;
 
 /// (P0, nll, error allowed). Python 3 `decimal` at 100 digits, the covariance recursion written out for two states with
 /// F = [1 1; 0 1], H = [1 0], Q = 0.01 [1/4 1/2; 1/2 1], R = 1, x0 = 0, P0 = diag(p, p) and
-/// z_k = 5 k + ((7 k) mod 11 - 5) / 4. The errors allowed are about ten times those measured.
+/// z_k = 5 k + ((7 k) mod 11 - 5) / 4. Measured: at most 6e-14.
 const DIFFUSE: [(f64, f64, f64); 4] = [
     (1e0, 101.057_938_584_555_8, 1e-12),
-    (1e4, 97.684_226_764_314_4, 1e-11),
-    (1e8, 106.893_255_095_982_73, 3e-8),
-    (1e12, 116.103_595_336_754_24, 1e-4),
+    (1e4, 97.684_226_764_314_4, 1e-12),
+    (1e8, 106.893_255_095_982_73, 1e-12),
+    (1e12, 116.103_595_336_754_24, 1e-12),
 ];
 
 fn measurement(k: u32) -> f64 {

@@ -43,11 +43,15 @@ fn nll_after_a_gap() {
         let rows: Vec<(f64, &[f64])> = rows.iter().map(|(time, z)| (*time, &z[..])).collect();
         let log = log(vec![trajectory(&rows)]);
         let oracle = reference::costs(&problem, &log, &[q, r]).unwrap_or_else(|error| panic!("{error}"))[0];
-        let mut lanes = CpuEvaluator::new(&problem, &log, CpuOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+        let mut lanes =
+            CpuEvaluator::new(&problem, &log, CpuOptions::default()).unwrap_or_else(|error| panic!("{error}"));
         let lanes = lanes.evaluate(&Population::from_rows(2, vec![q, r])).costs(0)[0];
         let error = |found: f64| (found - expected).abs() / expected.abs();
         println!("{gap} s, q = {q}, r = {r}: oracle {:.1e}, lanes {:.1e}", error(oracle), error(lanes));
-        assert!(error(oracle) < 1e-11, "{gap} s, q = {q}, r = {r}: the oracle says {oracle}, not {expected}");
+        assert!(
+            error(oracle) < if gap > 3600.0 { 1e-10 } else { 1e-12 },
+            "{gap} s, q = {q}, r = {r}: the oracle says {oracle}, not {expected}"
+        );
         assert!(error(lanes) < 1e-10, "{gap} s, q = {q}, r = {r}: f64 lanes say {lanes}, not {expected}");
     }
 }

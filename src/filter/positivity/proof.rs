@@ -51,7 +51,15 @@ pub(super) fn premises(
     if shapes.contains(&false) {
         return None;
     }
-    let bounds = |min: f64| if min > 0.0 { Positive } else if min >= 0.0 { NotNegative } else { Unknown };
+    let bounds = |min: f64| {
+        if min > 0.0 {
+            Positive
+        } else if min >= 0.0 {
+            NotNegative
+        } else {
+            Unknown
+        }
+    };
     let bounded: Vec<Sign> = parameters.searched().map(|(_, search)| bounds(search.min)).collect();
     let positive = vec![Positive; bounded.len()];
     let roots: Vec<Id> = matrices.iter().flat_map(|m| m.entries.upper().to_vec()).collect();

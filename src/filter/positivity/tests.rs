@@ -30,13 +30,19 @@ fn positivity(problem: &Problem, time: &[f64]) -> Positivity {
         trajectory.truth.push(&[]);
     }
     let measurements = vec!["z1".to_owned(), "z2".to_owned()];
-    let log =
-        Log { source: "none.csv".to_owned(), measurements, inputs: vec![], truth: vec![], trajectories: vec![trajectory] };
+    let log = Log {
+        source: "none.csv".to_owned(),
+        measurements,
+        inputs: vec![],
+        truth: vec![],
+        trajectories: vec![trajectory],
+    };
     Positivity::new(problem, &Rows::new(problem, &log)).unwrap()
 }
 
 const TIME: [f64; 5] = [0.0, 1.0, 2.0, 4.5, 5.5];
-const AB: &str = "a = { init = [0, 1], start = 0.5 }\nb = { init = [0, 1], start = 0.5 }\nc = { init = [0, 1], start = 0 }";
+const AB: &str =
+    "a = { init = [0, 1], start = 0.5 }\nb = { init = [0, 1], start = 0.5 }\nc = { init = [0, 1], start = 0 }";
 
 #[test]
 fn what_the_form_proves_is_not_computed() {
@@ -46,7 +52,8 @@ fn what_the_form_proves_is_not_computed() {
     assert_eq!(proven.refused(&[0.1, 0.2, 5.0]), [0; 0]);
     assert_eq!(proven.refused(&[-0.1, 0.2, 5.0, 0.1, 0.2, -5.0, 0.1, 0.0, 1.0]), [0, 2], "the others are computed");
     let wrong = chain.replace("dt^2/2", "dt^2/2*1.2");
-    let start = "a = { init = [0, 1], start = 0 }\nb = { init = [0, 1], start = 0.5 }\nc = { init = [0, 1], start = 0 }";
+    let start =
+        "a = { init = [0, 1], start = 0 }\nb = { init = [0, 1], start = 0.5 }\nc = { init = [0, 1], start = 0 }";
     let open = positivity(&problem(&wrong, "[\"b\", \"1 + c^2\"]", start), &TIME);
     assert!(open.proof.is_none(), "a shape that is no covariance");
     assert_eq!(open.refused(&[0.1, 0.001, 0.0, 0.0, 0.2, 0.0]), [0]);

@@ -120,6 +120,7 @@ fn three_rows() -> Log {
             truth: table(0, &[&[], &[], &[]]),
             line: vec![2, 3, 4],
         }],
+        ..Log::default()
     }
 }
 

@@ -71,6 +71,7 @@ mod tests {
             inputs: vec!["u".to_owned()],
             truth: vec![],
             trajectories: trajectories.iter().map(trajectory).collect(),
+            ..Log::default()
         }
     }
 

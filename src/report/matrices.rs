@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 use serde::Serialize;
 
 use super::number::short;
-use crate::data::{Log, Summary};
+use crate::data::{Intervals, Log};
 use crate::model::{FilterKind, Problem};
 use crate::reference::{self, Steady, Step};
 
@@ -82,7 +82,7 @@ impl Matrices {
     #[must_use]
     pub fn of(problem: &Problem, log: &Log, candidate: &[f64], last_gain: Option<DMatrix<f64>>) -> Self {
         let regular = log.regular_dt();
-        let dt = regular.or_else(|| Summary::of(log).dt.map(|dt| dt.median)).unwrap_or(1.0);
+        let dt = regular.or_else(|| Intervals::of(log).map(|dt| dt.median)).unwrap_or(1.0);
         let model = reference::Matrices::of(problem, candidate, dt);
         let steady = regular.filter(|_| !problem.filter.is_adaptive());
         let steady = steady.and_then(|dt| reference::steady_gain(problem, candidate, dt));

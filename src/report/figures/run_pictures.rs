@@ -249,6 +249,10 @@ pub fn titled(problem: &Problem, what: &str) -> String {
 
 /// Time: a column named after it is in seconds, and one such as `year` or `k` counts what its name says.
 fn time_axis(problem: &Problem) -> Axis {
+    match (problem.data.time.as_deref(), problem.data.time_unit) {
+        (Some(column), Some(unit)) if column != unit.counted() => return Axis::new(column).unit(unit.counted()),
+        _ => {}
+    }
     match problem.data.time.as_deref() {
         None => Axis::new("row"),
         Some("t" | "time" | "T" | "Time") => Axis::new("time").unit("s"),

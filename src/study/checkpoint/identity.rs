@@ -53,7 +53,7 @@ fn of_problem(problem: &Problem) -> [u8; 32] {
 }
 
 fn of_log(log: &Log) -> [u8; 32] {
-    let Log { source: _, measurements, inputs, truth, trajectories } = log;
+    let Log { source: _, measurements, inputs, truth, trajectories, times: _ } = log;
     let mut sum = Sum(Sha256::new());
     let _ = write!(sum, "{measurements:?} {inputs:?} {truth:?} {}", trajectories.len());
     for trajectory in trajectories {

@@ -50,7 +50,9 @@ fn log_for_problem(path: &Path) -> Option<anyhow::Error> {
     let extension = path.extension()?.to_ascii_lowercase();
     let is_log = path.is_file() && ["csv", "tsv", "txt", "dat"].iter().any(|known| extension == *known);
     let path = path.display();
-    is_log.then(|| anyhow!("{path} is a log, expected a problem file: draft one with `kfgpu init {path} --out problem.toml`"))
+    is_log.then(|| {
+        anyhow!("{path} is a log, expected a problem file: draft one with `kfgpu init {path} --out problem.toml`")
+    })
 }
 
 /// A problem with its log, `data` in place of the problem's own file; tells the user about the log.

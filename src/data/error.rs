@@ -54,7 +54,9 @@ pub enum LogError {
     #[error("{place}: expected a header, found only numbers (add a first line that names the columns)")]
     NoHeader { place: Place },
     /// The first line looks like the next (only [`crate::model::draft`]).
-    #[error("{place}: expected a header, found {found:?} as in the line after it{reason} (add a first line that names the columns)")]
+    #[error(
+        "{place}: expected a header, found {found:?} as in the line after it{reason} (add a first line that names the columns)"
+    )]
     DataAsHeader { place: Place, found: Box<str>, reason: Box<str> },
     /// `header_line` is beyond the end.
     #[error("{file}: has no header at line {line}, which `header_line` says (or that line is blank)")]
@@ -81,7 +83,9 @@ pub enum LogError {
     #[error("{place}: column {column:?}: expected a time in seconds or ISO-8601, found {found:?}{reason}")]
     NotTime { place: Place, column: Box<str>, found: Box<str>, reason: Box<str> },
     /// A unit of numbers where there are instants.
-    #[error("{place}: column {column:?} holds dates or clock times, which `time_unit = \"{unit}\"` is not for (leave it out)")]
+    #[error(
+        "{place}: column {column:?} holds dates or clock times, which `time_unit = \"{unit}\"` is not for (leave it out)"
+    )]
     UnitOfInstants { place: Place, column: Box<str>, unit: &'static str },
     /// Seconds and dates in one column.
     #[error(
@@ -119,7 +123,9 @@ pub enum LogError {
     #[error("{file}: no column of changing numbers that could be a measurement{reason}")]
     NothingToMeasure { file: Box<str>, reason: Box<str> },
     /// Decimal commas and decimal points (only [`crate::model::draft`]).
-    #[error("{point}: found {with_point:?} with a decimal point, but {with_comma:?} in line {line} with a decimal comma (write one kind in all columns)")]
+    #[error(
+        "{point}: found {with_point:?} with a decimal point, but {with_comma:?} in line {line} with a decimal comma (write one kind in all columns)"
+    )]
     MixedDecimals { point: Place, with_point: Box<str>, with_comma: Box<str>, line: u64 },
 }
 

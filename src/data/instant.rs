@@ -133,9 +133,13 @@ mod tests {
     #[test]
     fn dates_that_mean_one_thing_are_read() {
         let of = |text: &str| Instant::parse(text).map(|i| i.at.to_string());
-        for text in
-            ["2024-05-03T10:15:00Z", "2024/05/03 10:15:00", "03.05.2024 10:15", "3.5.2024 10:15:00.0", "2024.05.03 10:15"]
-        {
+        for text in [
+            "2024-05-03T10:15:00Z",
+            "2024/05/03 10:15:00",
+            "03.05.2024 10:15",
+            "3.5.2024 10:15:00.0",
+            "2024.05.03 10:15",
+        ] {
             assert_eq!(of(text).as_deref(), Ok("2024-05-03T10:15:00Z"), "{text}");
         }
         assert_eq!(of("10:15:01.2").as_deref(), Ok("1970-01-01T10:15:01.2Z"));

@@ -82,7 +82,8 @@ impl<'a> Lines<'a> {
             self.line.push(b'\n');
         }
         if self.number == self.header
-            && let Some(mark) = self.line.iter().position(|b| !b.is_ascii_whitespace()).filter(|&i| self.line[i] == b'#')
+            && let Some(mark) =
+                self.line.iter().position(|b| !b.is_ascii_whitespace()).filter(|&i| self.line[i] == b'#')
         {
             self.line[mark] = b' ';
         }

@@ -3,7 +3,7 @@
 //! Everything is compared with robust scales of the column itself (medians of differences), so that quantised, integer
 //! and resting sensors raise no alarm.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::fmt;
 
 use super::{Log, Trajectory};
@@ -38,7 +38,20 @@ pub enum Kind {
 
 /// Numbers that loggers write where nothing was measured, and 0.
 const PLACEHOLDERS: [f64; 14] = [
-    0.0, -1.0, 99.0, 999.0, -99.0, -999.0, 9999.0, -9999.0, 99999.0, -99999.0, -32768.0, 32767.0, 65535.0, 2_147_483_647.0,
+    0.0,
+    -1.0,
+    99.0,
+    999.0,
+    -99.0,
+    -999.0,
+    9999.0,
+    -9999.0,
+    99999.0,
+    -99999.0,
+    -32768.0,
+    32767.0,
+    65535.0,
+    2_147_483_647.0,
 ];
 /// From this size on a number is no measurement in any unit.
 const ABSURD: f64 = 1e29;
@@ -111,7 +124,11 @@ struct Short(f64);
 impl fmt::Display for Short {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let rounded: f64 = format!("{:.3e}", self.0).parse().unwrap_or(self.0);
-        if (1e-4..1e7).contains(&rounded.abs()) || rounded == 0.0 { write!(f, "{rounded}") } else { write!(f, "{rounded:e}") }
+        if (1e-4..1e7).contains(&rounded.abs()) || rounded == 0.0 {
+            write!(f, "{rounded}")
+        } else {
+            write!(f, "{rounded:e}")
+        }
     }
 }
 
@@ -215,7 +232,7 @@ impl Column {
         }
         let (length, Some(end)) = longest else { return None };
         let (pairs, equal) = (pairs - (length - 1), equal - (length - 1));
-        if length < FROZEN || pairs < FEWEST {
+        if length < FROZEN || pairs < FEWEST || self.is_coarse() {
             return None;
         }
         // Laplace's rule of succession: the share of pairs that are equal elsewhere.
@@ -223,6 +240,15 @@ impl Column {
         let by_chance = share.powf((length - 1) as f64) * (pairs + length) as f64;
         let start = self.start_of(end, length)?;
         (share < 0.2 && by_chance < CHANCE).then_some((Kind::Frozen(end.value), length, start))
+    }
+
+    /// Whether few values make up the column, so that a sensor at rest shows one of them for long.
+    fn is_coarse(&self) -> bool {
+        let mut distinct = HashSet::new();
+        self.samples().all(|s| {
+            distinct.insert(s.value.to_bits());
+            distinct.len() <= FEWEST
+        })
     }
 
     /// Line of the first of `length` equal values that end with `end`.

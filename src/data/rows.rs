@@ -46,8 +46,7 @@ impl<'a> Rows<'a> {
             .flexible(true)
             .from_reader(lines);
         let (file, format, record) = (file.into(), format.clone(), ByteRecord::new());
-        let mut rows =
-            Self { file, header_line: 0, names: Vec::new(), delimiter, format, csv, record, begun: false };
+        let mut rows = Self { file, header_line: 0, names: Vec::new(), delimiter, format, csv, record, begun: false };
         rows.next_record()?;
         rows.header_line = rows.line();
         for i in 0..rows.record.len() {
@@ -156,9 +155,9 @@ impl<'a> Rows<'a> {
             Format { decimal_comma: false, .. } if reads(true, None) => {
                 Some("a decimal comma: give decimal = \",\" in [data], or write a decimal point")
             }
-            _ if reads(true, Some('.')) => {
-                Some("digits grouped by points, and a decimal comma: give thousands = \".\" and decimal = \",\" in [data]")
-            }
+            _ if reads(true, Some('.')) => Some(
+                "digits grouped by points, and a decimal comma: give thousands = \".\" and decimal = \",\" in [data]",
+            ),
             _ if reads(false, Some(',')) => Some("digits grouped by commas: give thousands = \",\" in [data]"),
             _ if reads(false, Some('\'')) => Some("digits grouped by ': give thousands = \"'\" in [data]"),
             _ if reads(self.format.decimal_comma, Some(' ')) => {
@@ -213,7 +212,10 @@ impl<'a> Rows<'a> {
             " (is a quote left open?)"
         } else if more && self.delimiter == b',' && self.record.iter().all(digits) {
             " (decimal commas? part the cells by ; or put numbers in quotes, and give decimal = \",\" in [data])"
-        } else if more && !self.begun && self.record.iter().next_back().is_some_and(|last| !last.trim_ascii().is_empty()) {
+        } else if more
+            && !self.begun
+            && self.record.iter().next_back().is_some_and(|last| !last.trim_ascii().is_empty())
+        {
             " (do lines stand before the header? give `header_line` in [data])"
         } else {
             ""

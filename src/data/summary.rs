@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Log, Origin, TimeUnit, Trajectory};
+use super::{Log, TimeUnit, Trajectory};
 
 /// Rows, times and gaps of a log.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,7 +64,7 @@ impl Summary {
             rows: log.rows(),
             trajectories: log.trajectories.len(),
             span: [times().fold(f64::INFINITY, f64::min), times().fold(f64::NEG_INFINITY, f64::max)],
-            stamps: stamps(log),
+            stamps: log.stamps(),
             unit: log.times.unit,
             dt: Intervals::of(log),
             columns: columns.concat(),
@@ -76,8 +76,7 @@ impl Intervals {
     /// `None` when no trajectory has two rows.
     #[must_use]
     pub fn of(log: &Log) -> Option<Self> {
-        let mut all: Vec<f64> =
-            log.trajectories.iter().flat_map(|t| (0..t.len()).filter_map(|k| t.dt(k))).collect();
+        let mut all: Vec<f64> = log.trajectories.iter().flat_map(|t| (0..t.len()).filter_map(|k| t.dt(k))).collect();
         if all.is_empty() {
             return None;
         }
@@ -92,17 +91,6 @@ impl Intervals {
             regular: log.regular_dt().is_some(),
         })
     }
-}
-
-/// The first and the last time as the file writes them, unless it writes them as numbers that count from its own zero.
-fn stamps(log: &Log) -> Option<[String; 2]> {
-    if log.times.origin == Origin::Zero {
-        return None;
-    }
-    let rows = || log.trajectories.iter().flat_map(|t| (0..t.len()).map(move |k| (t, k)));
-    let first = rows().min_by(|a, b| a.0.time[a.1].total_cmp(&b.0.time[b.1]))?;
-    let last = rows().max_by(|a, b| a.0.time[a.1].total_cmp(&b.0.time[b.1]))?;
-    Some([first, last].map(|(t, k)| log.time_text(t, k).into_owned()))
 }
 
 fn gaps(log: &Log, role: &'static str, names: &[String], row: fn(&Trajectory, usize) -> &[f64]) -> Vec<ColumnSummary> {

@@ -78,4 +78,16 @@ impl Log {
         let kept = trajectory.line.get(k).and_then(|line| self.times.texts.get(*line));
         kept.map_or_else(|| number(trajectory.time[k]).into(), Cow::Borrowed)
     }
+
+    /// The first and the last time as the file writes them; `None` where times count from its own zero.
+    #[must_use]
+    pub fn stamps(&self) -> Option<[String; 2]> {
+        if self.times.origin == Origin::Zero {
+            return None;
+        }
+        let rows = || self.trajectories.iter().flat_map(|t| (0..t.len()).map(move |k| (t, k)));
+        let earlier = |a: &(&Trajectory, usize), b: &(&Trajectory, usize)| a.0.time[a.1].total_cmp(&b.0.time[b.1]);
+        let ends = [rows().min_by(earlier)?, rows().max_by(earlier)?];
+        Some(ends.map(|(t, k)| self.time_text(t, k).into_owned()))
+    }
 }

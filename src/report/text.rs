@@ -27,7 +27,8 @@ impl fmt::Display for Tuning {
             Gain::Steady => "steady gain",
             Gain::Last => "gain of the last complete measurement",
         };
-        writeln!(f, "Tuned filter (dt = {} s; K: {gain}):\n{}", short(self.matrices.dt, 6), self.matrices)?;
+        let (dt, unit) = (short(self.matrices.dt, 6), &self.effort.log.time_unit);
+        writeln!(f, "Tuned filter (dt = {dt} {unit}; K: {gain}):\n{}", self.matrices)?;
         writeln!(f, "Consistency ({}): {}", self.consistency_on, self.consistency)?;
         writeln!(f, "{}", self.certificate_line())?;
         if let Some(line) = self.polish_line() {

@@ -16,6 +16,7 @@ mod figures;
 mod filter;
 mod front;
 mod gpu;
+mod init;
 mod reproduce;
 mod tune;
 mod validation;

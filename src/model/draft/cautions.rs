@@ -18,7 +18,8 @@ impl Degrees {
             survey.columns[i].values.iter().all(|v| v.is_nan() || v.abs() <= limit)
         };
         let angles: Vec<(usize, bool)> = roles.candidates[..taken].iter().filter_map(named).filter(within).collect();
-        let latitudes = angles.iter().filter(|(_, is_latitude)| *is_latitude).flat_map(|(i, _)| &survey.columns[*i].values);
+        let latitudes =
+            angles.iter().filter(|(_, is_latitude)| *is_latitude).flat_map(|(i, _)| &survey.columns[*i].values);
         let mut latitudes: Vec<f64> = latitudes.copied().filter(|v| !v.is_nan() && *v != 0.0).collect();
         latitudes.sort_unstable_by(f64::total_cmp);
         let latitude = latitudes.get(latitudes.len() / 2).copied().unwrap_or(0.0);
@@ -79,7 +80,9 @@ pub(super) fn flaws(survey: &Survey) -> Vec<String> {
     let flawed = survey.columns.iter().filter(|c| matches!(c.content, Content::Numbers)).filter_map(|column| {
         let flaw = column.flaw()?;
         let (name, line, text) = (&column.name, flaw.place.line, &flaw.text);
-        Some(format!("column {name:?} is left out, because line {line} holds {text:?} among its numbers (empty the cell)"))
+        Some(format!(
+            "column {name:?} is left out, because line {line} holds {text:?} among its numbers (empty the cell)"
+        ))
     });
     flawed.collect()
 }

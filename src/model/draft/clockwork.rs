@@ -7,7 +7,13 @@ use crate::data::{Log, LogError, TimeUnit};
 use crate::model::DataSpec;
 
 /// The unit of the time column, with the reason; `None` where it is seconds.
-pub(super) fn guess_unit(survey: &Survey, roles: &Roles, units: &[String], data: &DataSpec, text: &[u8]) -> Option<(TimeUnit, String)> {
+pub(super) fn guess_unit(
+    survey: &Survey,
+    roles: &Roles,
+    units: &[String],
+    data: &DataSpec,
+    text: &[u8],
+) -> Option<(TimeUnit, String)> {
     let i = roles.time?;
     let column = &survey.columns[i];
     match column.content {
@@ -64,7 +70,9 @@ pub(super) fn say(survey: &Survey, roles: &Roles, unit: Option<&(TimeUnit, Strin
         return Some(format!(
             "column {name:?} cannot be the time, because it {} at line {}: the draft counts rows 0, 1, 2, ... s instead; \
              {}",
-            stop.how, stop.line, remedy(stop.how)
+            stop.how,
+            stop.line,
+            remedy(stop.how)
         ));
     }
     let name = &survey.columns[roles.time?].name;
@@ -73,9 +81,10 @@ pub(super) fn say(survey: &Survey, roles: &Roles, unit: Option<&(TimeUnit, Strin
             "column {name:?} is read in {}, by {why} (time_unit = \"{0}\"): dt is in seconds",
             unit.name()
         )),
-        Some((unit, why)) => {
-            Some(format!("dt counts in units of one {0}, by {why} of column {name:?} (time_unit = \"{0}\")", unit.name()))
-        }
+        Some((unit, why)) => Some(format!(
+            "dt counts in units of one {0}, by {why} of column {name:?} (time_unit = \"{0}\")",
+            unit.name()
+        )),
         None if roles.time_by_content => Some(format!(
             "column {name:?} is taken for the time in seconds, because it is the first that increases: check `time`"
         )),
@@ -87,7 +96,9 @@ pub(super) fn say(survey: &Survey, roles: &Roles, unit: Option<&(TimeUnit, Strin
 pub(super) fn remedy(how: &str) -> &'static str {
     match how {
         "goes back" => "sort the rows by it, or name the column that tells pooled runs apart (trajectory)",
-        "stands still" => "log finer times, merge rows of one instant, or name the column that tells pooled runs apart (trajectory)",
+        "stands still" => {
+            "log finer times, merge rows of one instant, or name the column that tells pooled runs apart (trajectory)"
+        }
         _ => "fill the cell or delete the row",
     }
 }

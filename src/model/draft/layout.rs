@@ -54,9 +54,8 @@ impl Layout {
         let (separator, count, at) = as_usual.filter(|(.., at)| *at == 0).or(other).or(as_usual)?;
         let mut header = &lines[at];
         // numpy.savetxt writes the header as a comment.
-        let named = |line: &&Line<'_>| {
-            line.number < header.number && cells(uncommented(line.text), separator).len() == count
-        };
+        let named =
+            |line: &&Line<'_>| line.number < header.number && cells(uncommented(line.text), separator).len() == count;
         let is_data = cells(header.text, separator).iter().all(|cell| reads(&Format::default(), cell));
         let comment = comments.iter().rfind(named).filter(|_| is_data);
         if at > 0 || comment.is_some() {
@@ -79,7 +78,8 @@ impl Layout {
         let kinds = [(false, ','), (true, '.'), (false, '\'')];
         for (line, cells) in rows.iter().skip(1) {
             for &cell in cells.iter().filter(|cell| cell.bytes().any(|b| b.is_ascii_digit())) {
-                let read = |decimal_comma, thousands| reads(&Format { decimal_comma, thousands, ..Format::default() }, cell);
+                let read =
+                    |decimal_comma, thousands| reads(&Format { decimal_comma, thousands, ..Format::default() }, cell);
                 let (point, comma) = (read(false, None), read(true, None));
                 let grouped = kinds.map(|(decimal_comma, mark)| cell.contains(mark) && read(decimal_comma, Some(mark)));
                 match (point, comma, grouped) {
@@ -170,7 +170,8 @@ impl Layout {
         self.format.skip_lines = vec![*line];
         self.units = units.iter().map(|unit| unit.trim_matches(['[', ']', '(', ')']).trim().to_owned()).collect();
         let shown: Vec<&str> = self.units.iter().map(String::as_str).filter(|u| !u.is_empty()).take(6).collect();
-        self.said.push(format!("line {line} looks like a row of units ({}) and is left out (skip_lines)", shown.join(", ")));
+        self.said
+            .push(format!("line {line} looks like a row of units ({}) and is left out (skip_lines)", shown.join(", ")));
     }
 }
 

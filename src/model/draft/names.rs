@@ -3,11 +3,33 @@
 use crate::data::TimeUnit;
 
 const TIMES: &[&str] = &[
-    "t", "time", "timestamp", "stamp", "date", "datetime", "utc", "year", "sec", "secs", "second", "seconds", "epoch_time",
-    "clock", "zeit", "uhrzeit", "zeitstempel", "datum", "temps", "heure", "tiempo", "fecha", "tijd",
+    "t",
+    "time",
+    "timestamp",
+    "stamp",
+    "date",
+    "datetime",
+    "utc",
+    "year",
+    "sec",
+    "secs",
+    "second",
+    "seconds",
+    "epoch_time",
+    "clock",
+    "zeit",
+    "uhrzeit",
+    "zeitstempel",
+    "datum",
+    "temps",
+    "heure",
+    "tiempo",
+    "fecha",
+    "tijd",
 ];
 /// Words beside those that make them no other thing.
-const BESIDE: &[&str] = &["header", "field", "log", "local", "gps", "gnss", "ros", "unix", "epoch", "sensor", "utc", "date"];
+const BESIDE: &[&str] =
+    &["header", "field", "log", "local", "gps", "gnss", "ros", "unix", "epoch", "sensor", "utc", "date"];
 const TRAJECTORIES: [&str; 10] =
     ["id", "track", "track_id", "trackid", "trajectory", "run", "run_id", "target", "target_id", "realisation"];
 /// Row counters: never measured, but good enough as time where nothing better increases.
@@ -35,7 +57,8 @@ pub(super) fn names_a_trajectory(name: &str) -> bool {
 
 /// `t`, `stamp_us`, `time [ms]`, `header.stamp`, `logTimestamp`, but not `time_of_flight` or `t_room`.
 pub(super) fn names_a_time(name: &str) -> bool {
-    let words: Vec<String> = words(name).into_iter().filter(|word| unit_of_time(word).is_none() || is_time(word)).collect();
+    let words: Vec<String> =
+        words(name).into_iter().filter(|word| unit_of_time(word).is_none() || is_time(word)).collect();
     let rest = words.iter().filter(|word| !is_time(word));
     words.iter().any(|word| is_time(word)) && rest.clone().all(|word| BESIDE.contains(&word.as_str()))
 }
@@ -87,7 +110,8 @@ pub(super) fn unit_of_time_column(name: &str) -> Option<TimeUnit> {
     bracketed.or_else(|| {
         let words = words(name);
         let (last, before) = words.split_last()?;
-        let spelled = matches!(last.as_str(), "year" | "years" | "month" | "months" | "day" | "days" | "hours" | "minutes");
+        let spelled =
+            matches!(last.as_str(), "year" | "years" | "month" | "months" | "day" | "days" | "hours" | "minutes");
         unit_of_time(last).filter(|_| spelled || !before.is_empty())
     })
 }
@@ -132,12 +156,31 @@ mod tests {
     #[test]
     fn times() {
         for name in [
-            "t", "t_s", "T", "time", "Time (s)", "stamp_us", "timestamp_ms", "t_us", "Zeit [s]", "header.stamp", "%time",
-            "rosbagTimestamp", "date", "Date", "UTC time", "time_sec", "year", "gps_time", "Seconds",
+            "t",
+            "t_s",
+            "T",
+            "time",
+            "Time (s)",
+            "stamp_us",
+            "timestamp_ms",
+            "t_us",
+            "Zeit [s]",
+            "header.stamp",
+            "%time",
+            "rosbagTimestamp",
+            "date",
+            "Date",
+            "UTC time",
+            "time_sec",
+            "year",
+            "gps_time",
+            "Seconds",
         ] {
             assert!(names_a_time(name), "{name}");
         }
-        for name in ["time_of_flight", "t_room", "temp", "timer", "travel time", "us", "ms", "min", "h", "x", "T1 (K)", "epoch"] {
+        for name in
+            ["time_of_flight", "t_room", "temp", "timer", "travel time", "us", "ms", "min", "h", "x", "T1 (K)", "epoch"]
+        {
             assert!(!names_a_time(name), "{name}");
         }
     }

@@ -115,7 +115,13 @@ impl Roles {
     }
 
     /// The unit of each of the first `count` candidates, empty where nothing tells it.
-    pub(super) fn units_of(&self, survey: &Survey, row: &[String], count: usize, degrees: Option<&Degrees>) -> Vec<String> {
+    pub(super) fn units_of(
+        &self,
+        survey: &Survey,
+        row: &[String],
+        count: usize,
+        degrees: Option<&Degrees>,
+    ) -> Vec<String> {
         let unit = |&i: &usize| {
             let row = row.get(i).map(String::as_str).filter(|unit| !unit.is_empty());
             let angle = degrees.and_then(|d| d.columns.iter().any(|(column, _)| *column == i).then_some("deg"));

@@ -176,7 +176,8 @@ impl Column {
 
     /// Whether it is text with the look of times that cannot be read: the first such cell.
     pub(super) fn unreadable_time(&self) -> Option<&Odd> {
-        let timely = |odd: &&Odd| looks_like_an_instant(&odd.text) || no_instant(&odd.text).is_some_and(|r| !r.is_empty());
+        let timely =
+            |odd: &&Odd| looks_like_an_instant(&odd.text) || no_instant(&odd.text).is_some_and(|r| !r.is_empty());
         let all = self.odd.iter().filter(timely).count();
         self.odd.iter().find(timely).filter(|_| self.content == Content::Text && 2 * all > self.odd.len())
     }

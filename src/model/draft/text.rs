@@ -85,14 +85,19 @@ impl Page<'_> {
             (Some(time), _) => writeln!(f, "time = {}   # {}", quoted(time), self.time_unit())?,
             (None, Some(stop)) => {
                 let name = &self.survey.columns[stop.column].name;
-                writeln!(f, "# Column {name:?} cannot be the time: it {} at line {}, so rows count", stop.how, stop.line)?;
+                writeln!(
+                    f,
+                    "# Column {name:?} cannot be the time: it {} at line {}, so rows count",
+                    stop.how, stop.line
+                )?;
                 writeln!(f, "# 0, 1, 2, ... s; {}.", clockwork::remedy(stop.how))?;
             }
             (None, None) => writeln!(f, "# No column increases from row to row, so rows count 0, 1, 2, ... s.")?,
         }
         if let Some(unit) = data.time_unit {
             let name = unit.name();
-            let counts = if unit.decimals() > 0 { "guessed from name and size; dt is in seconds" } else { "what dt counts" };
+            let counts =
+                if unit.decimals() > 0 { "guessed from name and size; dt is in seconds" } else { "what dt counts" };
             writeln!(f, "time_unit = \"{name}\"   # {counts}")?;
         }
         if let Some(trajectory) = &data.trajectory {
@@ -151,7 +156,11 @@ impl Page<'_> {
             let named = |i: &&usize| identifier(&column(**i).name) != column(**i).name;
             let unfit: Vec<usize> = numbers.iter().filter(named).copied().collect();
             if !unfit.is_empty() {
-                writeln!(f, "# For that, rename in the file what cannot stand in formulas (letters, digits, _): {}.", of(&unfit))?;
+                writeln!(
+                    f,
+                    "# For that, rename in the file what cannot stand in formulas (letters, digits, _): {}.",
+                    of(&unfit)
+                )?;
             }
         }
         if !truth.is_empty() {
@@ -201,7 +210,10 @@ impl Page<'_> {
             p0.extend(self.axes.iter().map(|a| number(a.velocity_variance)));
         }
         let Start::Numbers(positions) = self.start else {
-            writeln!(f, "x0 = \"measurement\"   # the first complete one of each trajectory, as uncertain as any other;")?;
+            writeln!(
+                f,
+                "x0 = \"measurement\"   # the first complete one of each trajectory, as uncertain as any other;"
+            )?;
             return writeln!(f, "P0 = [{}]   # what it does not measure varies as in the log\n", p0.join(", "));
         };
         let velocities = p0.len() - positions.len();
@@ -209,21 +221,31 @@ impl Page<'_> {
         for (variance, (_, spread)) in p0.iter_mut().zip(positions) {
             *variance = number(*spread);
         }
-        writeln!(f, "# No row measures everything at once (in every trajectory), so each state starts at its own first value.")?;
+        writeln!(
+            f,
+            "# No row measures everything at once (in every trajectory), so each state starts at its own first value."
+        )?;
         writeln!(f, "x0 = [{}]\nP0 = [{}]   # varies as in the log\n", x0.collect::<Vec<_>>().join(", "), p0.join(", "))
     }
 
     fn parameters(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let time = self.data.time_unit.unwrap_or_default().counted();
         let per = if self.motion == Motion::ConstantVelocity { format!("{time}^3") } else { time.to_owned() };
-        writeln!(f, "[parameters]\n# r from second differences, q [unit^2/{per}] from how fast changes grow with lag;")?;
+        writeln!(
+            f,
+            "[parameters]\n# r from second differences, q [unit^2/{per}] from how fast changes grow with lag;"
+        )?;
         writeln!(f, "# bounds 1e-4 and 1e4 times that.")?;
         let r = self.axes.iter().zip(self.units).map(|(a, unit)| ("r", &a.name, a.r, squared(unit)));
         let q = self.axes.iter().zip(self.units).map(|(a, unit)| ("q", &a.name, a.q, squared(unit) + "/" + &per));
         for (kind, axis, start, unit) in r.chain(q) {
             let (min, max) = (number(1e-4 * start), number(1e4 * start));
             let start = number(start);
-            let unit = if unit.starts_with(['/', '^']) || unit.is_empty() { String::new() } else { format!(", unit = {}", quoted(&unit)) };
+            let unit = if unit.starts_with(['/', '^']) || unit.is_empty() {
+                String::new()
+            } else {
+                format!(", unit = {}", quoted(&unit))
+            };
             writeln!(f, "{kind}_{axis} = {{ min = {min}, max = {max}, scale = \"log\", start = {start}{unit} }}")?;
         }
         writeln!(f)

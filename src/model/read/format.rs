@@ -16,7 +16,8 @@ pub(super) fn read_time_unit(fields: &Fields<'_>, has_time: bool) -> Result<Opti
         return Err(node.bad_value(format!("\"{}\"", shorten(name)), format!("a unit of time ({meant}known: {list})")));
     };
     if unit.decimals() > 0 && !has_time {
-        let expected = "\"s\", \"min\", \"h\", \"day\", \"month\" or \"year\" where no `time` column has numbers to convert";
+        let expected =
+            "\"s\", \"min\", \"h\", \"day\", \"month\" or \"year\" where no `time` column has numbers to convert";
         return Err(node.bad_value(format!("\"{name}\""), expected));
     }
     Ok(Some(*unit))

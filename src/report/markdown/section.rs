@@ -191,10 +191,10 @@ pub(super) fn filter(tuning: &Tuning) -> Option<String> {
         Gain::Steady => "K is the steady gain",
         Gain::Last => "K is the gain of the last complete measurement",
     };
-    let dt = short(tuning.matrices.dt, 6);
+    let (dt, unit) = (short(tuning.matrices.dt, 6), &tuning.effort.log.time_unit);
     let matrices = tuning.matrices.to_string();
     Some(format!(
-        "## The tuned filter\n\nFor a step of {dt} s; {gain}. `tuned.toml` in this folder runs as a problem file.\n\n```text\n{}\n```",
+        "## The tuned filter\n\nFor a step of {dt} {unit}; {gain}. `tuned.toml` in this folder runs as a problem file.\n\n```text\n{}\n```",
         matrices.trim_end()
     ))
 }
@@ -224,11 +224,12 @@ pub(super) fn effort(effort: &Effort) -> String {
         (
             "log",
             format!(
-                "{}, {} rows in {} {}",
+                "{}, {} rows in {} {}{}",
                 plain(&effort.log.source),
                 count(effort.log.rows as u64),
                 effort.log.trajectories,
-                if effort.log.trajectories == 1 { "trajectory" } else { "trajectories" }
+                if effort.log.trajectories == 1 { "trajectory" } else { "trajectories" },
+                effort.log.span.as_ref().map_or_else(String::new, |[from, to]| format!(", {from} to {to}"))
             ),
         ),
         ("SHA-256 of the log's numbers", format!("`{}`", effort.log.sha256)),

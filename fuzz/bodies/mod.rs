@@ -6,7 +6,7 @@ mod checkpoint;
 
 pub(crate) use checkpoint::{bodies as checkpoint_bodies, checkpoint};
 
-use kfgpu::data::{self, Log, Summary, Table, Trajectory};
+use kfgpu::data::{self, Format, Log, Oddity, Summary, Table, TimeUnit, Trajectory};
 use kfgpu::filter;
 use kfgpu::model::{self, DataSpec, Problem};
 use kfgpu::reference;
@@ -20,7 +20,28 @@ pub(crate) fn csv(bytes: &[u8]) {
         let _ = Summary::of(&log).to_string();
         assert_reads_back(&spec, &log);
     }
-    let _ = model::draft("fuzz.csv".as_ref(), bytes);
+    for spec in foreign() {
+        if let Ok(log) = Log::read(&spec, bytes, "fuzz.csv") {
+            let _ = Summary::of(&log).to_string();
+            let _ = Oddity::of(&log);
+        }
+    }
+    let Ok(draft) = model::draft("fuzz.csv".as_ref(), bytes) else { return };
+    let problem = Problem::parse(&draft.text, "draft.toml").unwrap_or_else(|e| panic!("{e}\n{}", draft.text));
+    assert_eq!(problem.data, draft.data, "what was drafted is what is read");
+    let log = Log::read(&draft.data, bytes, "fuzz.csv").unwrap_or_else(|e| panic!("{e}\n{}", draft.text));
+    problem.check_log(&log).unwrap_or_else(|e| panic!("{e}\n{}", draft.text));
+}
+
+/// The same columns in files of other habits.
+fn foreign() -> [DataSpec; 2] {
+    let [one, all] = specs();
+    let commas = Format { decimal_comma: true, thousands: Some('.'), skip_lines: vec![3], ..Format::default() };
+    let blanks = Format { separator: Some(' '), header_line: Some(1), ..Format::default() };
+    [
+        DataSpec { format: commas, time_unit: Some(TimeUnit::Microsecond), ..all },
+        DataSpec { format: blanks, time: Some("t".to_owned()), time_unit: Some(TimeUnit::Month), ..one },
+    ]
 }
 
 /// One column only; everything a problem file can name.
@@ -120,6 +141,7 @@ fn three_rows() -> Log {
             truth: table(0, &[&[], &[], &[]]),
             line: vec![2, 3, 4],
         }],
+        ..Log::default()
     }
 }
 

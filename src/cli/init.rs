@@ -12,6 +12,11 @@ use super::{Ending, files, paths};
 use crate::model;
 
 /// Write a commented problem file for a log, with bounds and starts drawn from its data.
+///
+/// Columns are told by their names and content. What is not as usual is said on stderr and written into the file: a unit
+/// of time (epochs in ms, us, ns; dates that count days or months), decimal commas, lines before the header, rows of
+/// units and of sums, columns named like inputs, latitude and longitude, placeholders such as -9999, frozen values,
+/// jumps. A time column that cannot be read is an error; one that does not increase is left out with a warning.
 #[derive(Debug, Args)]
 pub(super) struct Init {
     /// Log (CSV with a header); `-` reads standard input.
@@ -29,22 +34,25 @@ pub(super) struct Init {
 impl Init {
     pub(super) fn run(&self, console: Console) -> anyhow::Result<Ending> {
         let Some(out) = self.out.as_deref().filter(|out| *out != Path::new("-")) else {
-            files::print(&self.draft(&self.log)?)?;
+            files::print(&self.draft(&self.log, console)?)?;
             return Ok(Ending::Done);
         };
         ensure!(self.force || !out.exists(), "{} exists (give --force to replace it)", out.display());
-        let text = self.draft(&paths::seen_from(files::folder_of(out), &self.log))?;
+        let text = self.draft(&paths::seen_from(files::folder_of(out), &self.log), console)?;
         files::write_whole(out, |file| Ok(file.write_all(text.as_bytes())?))?;
         console.note(format_args!("wrote {0}: look it over, then run `kfgpu tune {0}`", out.display()));
         Ok(Ending::Done)
     }
 
     /// The text, in which the log is called `name`.
-    fn draft(&self, name: &Path) -> anyhow::Result<String> {
-        if self.log == Path::new("-") {
-            return Ok(model::draft(&self.log, io::stdin().lock())?.text);
-        }
-        let file = File::open(&self.log).with_context(|| format!("cannot read {}", self.log.display()))?;
-        Ok(model::draft(name, file)?.text)
+    fn draft(&self, name: &Path, console: Console) -> anyhow::Result<String> {
+        let draft = if self.log == Path::new("-") {
+            model::draft(&self.log, io::stdin().lock())?
+        } else {
+            let file = File::open(&self.log).with_context(|| format!("cannot read {}", self.log.display()))?;
+            model::draft(name, file)?
+        };
+        draft.warnings.iter().for_each(|warning| console.warn(warning));
+        Ok(draft.text)
     }
 }

@@ -2,10 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use anyhow::anyhow;
+
 use super::console::Console;
 use super::overrides::{self, Override};
 use super::{memory, results};
-use crate::data::{self, Log, LogError, Summary};
+use crate::data::{self, Log, LogError, Oddity, Summary};
 use crate::model::Problem;
 
 /// The example that `kfgpu tune` runs with no file.
@@ -39,8 +41,18 @@ pub(super) enum Origin {
 /// The problem (`None` = the built-in example), not yet its log.
 pub(super) fn problem(path: Option<&Path>) -> anyhow::Result<Problem> {
     Ok(match path {
-        Some(path) => Problem::open(path)?,
+        Some(path) => Problem::open(path).map_err(|error| log_for_problem(path).unwrap_or_else(|| error.into()))?,
         None => Problem::parse(NILE, NILE_SOURCE)?,
+    })
+}
+
+/// The error for a log where a problem file belongs.
+fn log_for_problem(path: &Path) -> Option<anyhow::Error> {
+    let extension = path.extension()?.to_ascii_lowercase();
+    let is_log = path.is_file() && ["csv", "tsv", "txt", "dat"].iter().any(|known| extension == *known);
+    let path = path.display();
+    is_log.then(|| {
+        anyhow!("{path} is a log, expected a problem file: draft one with `kfgpu init {path} --out problem.toml`")
     })
 }
 
@@ -77,7 +89,10 @@ pub(super) fn log_of(
         Origin::Stdin | Origin::File(_) => Log::open(&problem.data, folder)?,
     };
     console.note(Summary::of(&log));
-    let warnings = problem.check_log(&log)?;
+    let mut warnings = problem.check_log(&log)?;
+    if origin != Origin::Simulated {
+        warnings.extend(Oddity::of(&log).iter().map(|odd| format!("{odd} ({})", log.source)));
+    }
     warnings.iter().for_each(|warning| console.warn(warning));
     Ok(Loaded { problem, log, origin, warnings })
 }

@@ -66,11 +66,13 @@ fn find(rows: &Rows<'_>, role: &str, column: &str) -> Result<usize, LogError> {
             return LogError::NoHeader { place };
         }
         let nearest = nearest(column, rows.names()).map(|name| format!(" (did you mean {name:?}?)"));
+        let blanks = matches!(rows.names(), [only] if only.contains([' ', '\t']));
+        let blanks = blanks.then(|| " (cells parted by blanks need separator = \" \" in [data])".to_owned());
         LogError::NoColumn {
             place,
             column: column.into(),
             role: role.into(),
-            nearest: nearest.unwrap_or_default().into(),
+            nearest: blanks.or(nearest).unwrap_or_default().into(),
             present: list(rows.names()).into(),
         }
     })

@@ -2,6 +2,9 @@
 
 use std::{fmt, io};
 
+use super::instant::no_instant;
+use super::rows::shorten;
+
 /// A place in a text file, printed `file:line:column`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place {
@@ -50,6 +53,17 @@ pub enum LogError {
     /// The first line holds numbers where names should stand.
     #[error("{place}: expected a header, found only numbers (add a first line that names the columns)")]
     NoHeader { place: Place },
+    /// The first line looks like the next (only [`crate::model::draft`]).
+    #[error(
+        "{place}: expected a header, found {found:?} as in the line after it{reason} (add a first line that names the columns)"
+    )]
+    DataAsHeader { place: Place, found: Box<str>, reason: Box<str> },
+    /// `header_line` is beyond the end.
+    #[error("{file}: has no header at line {line}, which `header_line` says (or that line is blank)")]
+    NoHeaderLine { file: Box<str>, line: u64 },
+    /// A line of `skip_lines` is a row like any other.
+    #[error("{place}: `skip_lines` leaves out a row of numbers (take it off the list, or empty the cells)")]
+    SkippedNumbers { place: Place },
     /// Not text at all.
     #[error("{place}: {found} is not text (expected a CSV file in UTF-8)")]
     Binary { place: Place, found: &'static str },
@@ -68,6 +82,11 @@ pub enum LogError {
     /// Neither seconds nor ISO-8601.
     #[error("{place}: column {column:?}: expected a time in seconds or ISO-8601, found {found:?}{reason}")]
     NotTime { place: Place, column: Box<str>, found: Box<str>, reason: Box<str> },
+    /// A unit of numbers where there are instants.
+    #[error(
+        "{place}: column {column:?} holds dates or clock times, which `time_unit = \"{unit}\"` is not for (leave it out)"
+    )]
+    UnitOfInstants { place: Place, column: Box<str>, unit: &'static str },
     /// Seconds and dates in one column.
     #[error(
         "{place}: column {column:?}: expected {expected} as in the first row, found {found:?} (use one kind of time)"
@@ -101,8 +120,21 @@ pub enum LogError {
     #[error("{file}: column {column:?}: all values are missing (leave it out of `measurements`)")]
     AllMissing { file: Box<str>, column: Box<str> },
     /// Nothing in the log could be a measurement (only [`crate::model::draft`]).
-    #[error("{file}: no column of changing numbers that could be a measurement")]
-    NothingToMeasure { file: Box<str> },
+    #[error("{file}: no column of changing numbers that could be a measurement{reason}")]
+    NothingToMeasure { file: Box<str>, reason: Box<str> },
+    /// Decimal commas and decimal points (only [`crate::model::draft`]).
+    #[error(
+        "{point}: found {with_point:?} with a decimal point, but {with_comma:?} in line {line} with a decimal comma (write one kind in all columns)"
+    )]
+    MixedDecimals { point: Place, with_point: Box<str>, with_comma: Box<str>, line: u64 },
+}
+
+impl LogError {
+    /// [`Self::NotTime`] with the reason why `text` is none.
+    pub(crate) fn not_a_time(place: Place, column: &str, text: &str) -> Self {
+        let reason = no_instant(text).unwrap_or_default();
+        Self::NotTime { place, column: column.into(), found: shorten(text), reason: reason.into() }
+    }
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use std::io::{self, BufRead, BufReader, Read};
 
-use super::{LogError, Place};
+use super::{Format, LogError, Place};
 
 /// No honest row is longer; without a limit a binary file would be read whole in search of a line end.
 const LONGEST_LINE: u64 = 1 << 20;
@@ -16,12 +16,19 @@ pub(super) struct Lines<'a> {
     taken: usize,
     number: u64,
     ended: bool,
+    /// The line that the header is on, if it is known; lines before it are left out, and it is no comment.
+    header: u64,
+    /// Whether any number of blanks is one separator; what is read is then another text than the line.
+    blanks: bool,
+    fed: Vec<u8>,
 }
 
 impl<'a> Lines<'a> {
-    pub(super) fn new(reader: &'a mut dyn Read, file: &str) -> Self {
+    pub(super) fn new(reader: &'a mut dyn Read, file: &str, format: &Format) -> Self {
         let inner = BufReader::new(reader);
-        Self { file: file.into(), inner, line: Vec::new(), taken: 0, number: 0, ended: false }
+        let (header, blanks) = (format.header_line.unwrap_or(0), format.separator == Some(' '));
+        let (line, fed) = (Vec::new(), Vec::new());
+        Self { file: file.into(), inner, line, taken: 0, number: 0, ended: false, header, blanks, fed }
     }
 
     /// Number of the current line, from 1; at the end one more than the last.
@@ -42,7 +49,7 @@ impl<'a> Lines<'a> {
     pub(super) fn advance_to_content(&mut self) -> Result<bool, LogError> {
         while self.advance()? {
             let text = self.line.trim_ascii();
-            if !text.is_empty() && !text.starts_with(b"#") {
+            if !text.is_empty() && !text.starts_with(b"#") && self.number >= self.header {
                 return Ok(true);
             }
         }
@@ -74,7 +81,21 @@ impl<'a> Lines<'a> {
         if !self.line.ends_with(b"\n") {
             self.line.push(b'\n');
         }
+        if self.number == self.header
+            && let Some(mark) =
+                self.line.iter().position(|b| !b.is_ascii_whitespace()).filter(|&i| self.line[i] == b'#')
+        {
+            self.line[mark] = b' ';
+        }
+        if self.blanks {
+            part_by_one_blank(&self.line, &mut self.fed);
+        }
         Ok(true)
+    }
+
+    /// What the parser gets of the current line.
+    fn content(&self) -> &[u8] {
+        if self.blanks { &self.fed } else { &self.line }
     }
 
     fn binary(&self) -> Option<&'static str> {
@@ -90,12 +111,30 @@ impl<'a> Lines<'a> {
 
 impl Read for Lines<'_> {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
-        if self.taken == self.line.len() && !self.advance().map_err(io::Error::other)? {
+        if self.taken == self.content().len() && !self.advance().map_err(io::Error::other)? {
             return Ok(0);
         }
-        let count = out.len().min(self.line.len() - self.taken);
-        out[..count].copy_from_slice(&self.line[self.taken..self.taken + count]);
+        let count = out.len().min(self.content().len() - self.taken);
+        out[..count].copy_from_slice(&self.content()[self.taken..self.taken + count]);
         self.taken += count;
         Ok(count)
     }
+}
+
+/// One blank for any number of blanks and tabs outside quotes, none at either end.
+fn part_by_one_blank(line: &[u8], out: &mut Vec<u8>) {
+    out.clear();
+    let (mut quoted, mut pending) = (false, false);
+    for &byte in line.trim_ascii() {
+        quoted ^= byte == b'"';
+        if matches!(byte, b' ' | b'\t') && !quoted {
+            pending = true;
+            continue;
+        }
+        if std::mem::take(&mut pending) {
+            out.push(b' ');
+        }
+        out.push(byte);
+    }
+    out.push(b'\n');
 }

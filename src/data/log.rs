@@ -2,10 +2,12 @@
 
 use std::collections::TryReserveError;
 
+use super::Times;
+
 /// A measurement log, split into trajectories.
 ///
 /// Columns of every trajectory's tables follow the name lists here.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Log {
     /// Where it came from, for messages: a file name, `<stdin>` or `<simulated>`.
     pub source: String,
@@ -17,6 +19,8 @@ pub struct Log {
     pub truth: Vec<String>,
     /// The trajectories, in order of first appearance.
     pub trajectories: Vec<Trajectory>,
+    /// What its times count, from where, and how its file writes them.
+    pub times: Times,
 }
 
 /// One run or target: rows in strictly increasing time.
@@ -24,7 +28,8 @@ pub struct Log {
 pub struct Trajectory {
     /// The value of the trajectory column; empty when the log has none.
     pub id: String,
-    /// Time of each row \[s\]; 0, 1, 2, ... when the log has no time column.
+    /// Time of each row, in [`Times::unit`] (seconds unless told otherwise); 0, 1, 2, ... when the log has no time
+    /// column.
     pub time: Vec<f64>,
     /// Measurements, rows x m; NaN = missing.
     pub z: Table,
@@ -95,7 +100,7 @@ impl Trajectory {
         self.time.is_empty()
     }
 
-    /// Interval from row `k` to row `k + 1` \[s\]; `None` at the last row.
+    /// Interval from row `k` to row `k + 1`, in the unit of the times; `None` at the last row.
     ///
     /// It is rounded to the last decimal that the trajectory's times can hold in f64, so that a log sampled every 0.1 s
     /// has one interval and not three that differ by rounding (from which kfgpu would compute one F and Q a row).
@@ -160,10 +165,11 @@ impl Log {
             inputs: self.inputs.clone(),
             truth: self.truth.clone(),
             trajectories,
+            times: self.times.clone(),
         }
     }
 
-    /// The one interval of the whole log \[s\], or `None` if intervals differ by more than one part in 1e9 or there are none.
+    /// The one interval of the whole log, or `None` if intervals differ by more than one part in 1e9 or there are none.
     #[must_use]
     pub fn regular_dt(&self) -> Option<f64> {
         let mut intervals = self.trajectories.iter().flat_map(|t| (0..t.len()).filter_map(|k| t.dt(k)));

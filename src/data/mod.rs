@@ -2,9 +2,13 @@
 
 mod clock;
 mod columns;
+mod decimal;
 mod error;
+mod format;
+mod instant;
 mod lines;
 mod log;
+mod oddity;
 mod read;
 mod rows;
 mod simulate;
@@ -12,13 +16,20 @@ mod split;
 mod summary;
 #[cfg(test)]
 mod tests;
+mod times;
+mod unit;
 mod write;
 
 pub use error::{LogError, Place};
+pub use format::Format;
 pub use log::{Log, Table, Trajectory};
+pub use oddity::{Kind as OddityKind, Oddity};
 pub use simulate::{SimulateError, simulate};
 pub use split::{HeldOut, Split, SplitError, scoring_rows};
 pub use summary::{ColumnSummary, Intervals, Summary};
+pub use times::{Origin, Times};
+pub use unit::TimeUnit;
 
 pub(crate) use clock::Clock;
+pub(crate) use instant::{looks_like_an_instant, no_instant};
 pub(crate) use rows::Rows;

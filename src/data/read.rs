@@ -6,7 +6,8 @@ use std::io::{self, Read};
 use std::path::Path;
 
 use super::columns::Columns;
-use super::{Clock, Log, LogError, Place, Rows, Table, Trajectory};
+use super::times::Texts;
+use super::{Clock, Log, LogError, Place, Rows, Table, TimeUnit, Times, Trajectory};
 use crate::model::DataSpec;
 
 const LEAVE_EMPTY: &str = "leave the cell empty for a missing measurement";
@@ -36,27 +37,30 @@ impl Log {
     /// Reads a log from any reader; `source` stands for it in messages. Memory stays at the log itself plus one row.
     ///
     /// The text is UTF-8 with a header line; `,`, `;` or tab part the cells, double quotes may enclose one, `#` starts a
-    /// comment line, blank lines are skipped. An empty cell, `NaN`, `NA` or `null` is a missing value (in a log of one
-    /// column, write `NaN` or `""`). Times are seconds, or ISO-8601 (UTC without a zone), which become seconds since the
-    /// first row.
+    /// comment line, blank lines are skipped ([`super::Format`] has what else is read). An empty cell, `NaN`, `NA` or
+    /// `null` is a missing value (in a log of one column, write `NaN` or `""`). Times are numbers of
+    /// [`DataSpec::time_unit`], or instants (ISO-8601, UTC without a zone; `hh:mm:ss`), which count from the first row.
     ///
     /// # Errors
     /// [`LogError`], with the line and the character that is to blame.
     pub fn read(spec: &DataSpec, mut reader: impl Read, source: &str) -> Result<Self, LogError> {
-        let mut rows = Rows::open(&mut reader, source)?;
-        let mut builder = Builder::new(Columns::of(spec, &rows)?);
+        let mut rows = Rows::open(&mut reader, source, &spec.format)?;
+        let unit = spec.time_unit.unwrap_or_default();
+        let mut builder = Builder::new(Columns::of(spec, &rows)?, unit);
         while rows.advance()? {
             builder.push(&rows)?;
         }
         if builder.trajectories.is_empty() {
             return Err(LogError::HeaderOnly { file: source.into() });
         }
+        let (trajectories, times) = builder.finish();
         let log = Self {
             source: source.to_owned(),
             measurements: spec.measurements.clone(),
             inputs: spec.inputs.clone(),
             truth: spec.truth.iter().map(|(state, _)| state.clone()).collect(),
-            trajectories: builder.finish(),
+            trajectories,
+            times,
         };
         log.refuse_empty_measurements()?;
         Ok(log)
@@ -77,7 +81,9 @@ impl Log {
 /// Trajectories under construction.
 struct Builder {
     columns: Columns,
+    unit: TimeUnit,
     clock: Clock,
+    texts: Texts,
     trajectories: Vec<Trajectory>,
     /// Where the last row of each trajectory lacks an input: an error as soon as another row follows.
     gaps: Vec<Option<(Place, usize)>>,
@@ -87,9 +93,10 @@ struct Builder {
 }
 
 impl Builder {
-    fn new(columns: Columns) -> Self {
-        let (trajectories, gaps, index) = (Vec::new(), Vec::new(), HashMap::new());
-        Self { columns, clock: Clock::Unset, trajectories, gaps, index, cells: Vec::new() }
+    fn new(columns: Columns, unit: TimeUnit) -> Self {
+        let (clock, texts, trajectories) = (Clock::new(unit), Texts::default(), Vec::new());
+        let (gaps, index, cells) = (Vec::new(), HashMap::new(), Vec::new());
+        Self { columns, unit, clock, texts, trajectories, gaps, index, cells }
     }
 
     fn push(&mut self, rows: &Rows<'_>) -> Result<(), LogError> {
@@ -138,11 +145,19 @@ impl Builder {
         Ok(self.trajectories.len() - 1)
     }
 
-    /// Time of the current row [s], later than the last row of trajectory `t`.
+    /// Time of the current row, later than the last row of trajectory `t`.
     fn time(&mut self, rows: &Rows<'_>, t: usize) -> Result<f64, LogError> {
-        let trajectory = &self.trajectories[t];
-        let Some(i) = self.columns.time else { return Ok(trajectory.len() as f64) };
+        let Some(i) = self.columns.time else { return Ok(self.trajectories[t].len() as f64) };
+        let counted = self.clock.counts_from_first();
         let time = self.clock.read(rows, i)?;
+        if self.clock.counts_from_first() && !counted {
+            self.count_from_first();
+        }
+        let text = rows.cell(i)?;
+        if text != time.to_string() {
+            self.texts.push(rows.line(), text);
+        }
+        let trajectory = &self.trajectories[t];
         match (trajectory.time.last(), trajectory.line.last()) {
             (Some(&previous), Some(&previous_line)) if time <= previous => Err(LogError::NotIncreasing {
                 place: rows.place(i),
@@ -154,12 +169,44 @@ impl Builder {
         }
     }
 
-    fn finish(mut self) -> Vec<Trajectory> {
+    /// Makes the times read so far count from the first.
+    fn count_from_first(&mut self) {
+        let times = self.trajectories.iter_mut().flat_map(|t| &mut t.time);
+        times.for_each(|time| *time = self.clock.from_first(*time));
+    }
+
+    fn finish(mut self) -> (Vec<Trajectory>, Times) {
+        if self.clock.is_noisy()
+            && let Some(step) = noisy_step(&self.trajectories)
+            && self.clock.count_from_first()
+        {
+            for trajectory in &mut self.trajectories {
+                let start = trajectory.time.first().map_or(0.0, |first| self.clock.from_first(*first));
+                trajectory.time.iter_mut().enumerate().for_each(|(k, time)| *time = start + k as f64 * step);
+            }
+        }
         for trajectory in &mut self.trajectories {
             trajectory.shrink();
         }
-        self.trajectories
+        (self.trajectories, Times::new(self.unit, self.clock.origin(), self.texts))
     }
+}
+
+/// The regular step under times that are only as good as doubles of their size: (last - first) / (n - 1), where every
+/// time is within their rounding of first + k step, but their differences are not equal.
+fn noisy_step(trajectories: &[Trajectory]) -> Option<f64> {
+    let longest = trajectories.iter().max_by_key(|t| t.len()).filter(|t| t.len() > 2)?;
+    let (first, last) = (longest.time[0], longest.time[longest.len() - 1]);
+    let step = (last - first) / (longest.len() - 1) as f64;
+    let is_on_grid = |t: &Trajectory| {
+        let (first, last) = (t.time[0], t.time[t.len() - 1]);
+        let noise = f64::EPSILON * first.abs().max(last.abs());
+        // Half a unit in the last place each: of the time, of the first, and twice of the ends that the step is from.
+        noise < 1e-2 * step
+            && t.time.iter().enumerate().all(|(k, time)| (time - first - k as f64 * step).abs() <= 2.0 * noise)
+    };
+    let differs = |t: &Trajectory| (0..t.len()).filter_map(|k| t.dt(k)).any(|dt| (dt - step).abs() > 1e-9 * step);
+    (trajectories.iter().any(differs) && trajectories.iter().all(is_on_grid)).then_some(step)
 }
 
 fn fill(cells: &mut Vec<f64>, rows: &Rows<'_>, columns: &[usize], remedy: &'static str) -> Result<(), LogError> {

@@ -1,11 +1,12 @@
 //! Delimited text as a header and a stream of rows, with the exact place of every cell.
 
+use std::borrow::Cow;
 use std::io::Read;
 
 use csv::ByteRecord;
 
 use super::lines::Lines;
-use super::{LogError, Place};
+use super::{Format, LogError, Place};
 use crate::words;
 
 /// Spellings of a missing value, besides NaN.
@@ -17,26 +18,36 @@ pub(crate) struct Rows<'a> {
     header_line: u64,
     names: Vec<String>,
     delimiter: u8,
+    format: Format,
     csv: csv::Reader<Lines<'a>>,
     record: ByteRecord,
+    /// Whether a row has been read.
+    begun: bool,
 }
 
 impl<'a> Rows<'a> {
-    /// Reads up to the end of the header. The delimiter is the one of `,` `;` tab that the header has most of.
-    pub(crate) fn open(reader: &'a mut dyn Read, file: &str) -> Result<Self, LogError> {
-        let mut lines = Lines::new(reader, file);
-        if !lines.advance_to_content()? {
-            return Err(LogError::Empty { file: file.into() });
+    /// Reads up to the end of the header. Unless `format` names a separator, it is the one of `,` `;` tab that the header
+    /// has most of.
+    pub(crate) fn open(reader: &'a mut dyn Read, file: &str, format: &Format) -> Result<Self, LogError> {
+        let mut lines = Lines::new(reader, file, format);
+        let found = lines.advance_to_content()?;
+        match format.header_line {
+            Some(line) if !found || lines.number() != line => {
+                return Err(LogError::NoHeaderLine { file: file.into(), line });
+            }
+            _ if !found => return Err(LogError::Empty { file: file.into() }),
+            _ => {}
         }
-        let delimiter = sniff(lines.text());
+        let named = format.separator.and_then(|c| u8::try_from(c).ok());
+        let delimiter = named.unwrap_or_else(|| sniff(lines.text()));
         let csv = csv::ReaderBuilder::new()
             .delimiter(delimiter)
             .comment(Some(b'#'))
             .has_headers(false)
             .flexible(true)
             .from_reader(lines);
-        let mut rows =
-            Self { file: file.into(), header_line: 0, names: Vec::new(), delimiter, csv, record: ByteRecord::new() };
+        let (file, format, record) = (file.into(), format.clone(), ByteRecord::new());
+        let mut rows = Self { file, header_line: 0, names: Vec::new(), delimiter, format, csv, record, begun: false };
         rows.next_record()?;
         rows.header_line = rows.line();
         for i in 0..rows.record.len() {
@@ -71,13 +82,26 @@ impl<'a> Rows<'a> {
             if !self.next_record()? {
                 return Ok(false);
             }
-            if self.record.len() == self.names.len() && !self.is_skipped() {
-                return Ok(true);
+            if self.is_skipped() || self.is_left_out()? {
+                continue;
             }
-            if !self.is_skipped() {
+            if self.record.len() != self.names.len() {
                 return Err(self.ragged());
             }
+            self.begun = true;
+            return Ok(true);
         }
+    }
+
+    /// Whether `skip_lines` names the current row, which must then not be one of numbers.
+    fn is_left_out(&self) -> Result<bool, LogError> {
+        if self.format.skip_lines.binary_search(&self.line()).is_err() {
+            return Ok(false);
+        }
+        let mut texts = (0..self.record.len()).map(|i| self.cell(i).unwrap_or("?")).filter(|t| !Self::is_missing(t));
+        let numbers = |text: &str| self.plain(text).is_some_and(|plain| plain.parse::<f64>().is_ok());
+        let is_row = texts.clone().next().is_some() && texts.all(numbers);
+        if is_row { Err(LogError::SkippedNumbers { place: self.place(0) }) } else { Ok(true) }
     }
 
     /// Line on which the current row starts.
@@ -99,20 +123,54 @@ impl<'a> Rows<'a> {
     /// Cell `i` as a finite number, NaN if missing; `remedy` ends the message where it is neither.
     pub(crate) fn number(&self, i: usize, remedy: &'static str) -> Result<f64, LogError> {
         let text = self.cell(i)?;
-        match text.parse::<f64>() {
-            Ok(value) if value.is_finite() => Ok(value),
+        match self.plain(text).and_then(|plain| plain.parse::<f64>().ok()) {
+            Some(value) if value.is_finite() => Ok(value),
             _ if Self::is_missing(text) => Ok(f64::NAN),
-            Ok(_) => {
+            Some(_) => {
                 let (place, column) = (self.place(i), self.name(i));
                 Err(LogError::Infinite { place, column, found: shorten(text), remedy })
             }
-            Err(_) => {
-                let comma = text.replacen(',', ".", 1).parse::<f64>().is_ok();
-                let remedy = if comma { "write a decimal point" } else { remedy };
+            None => {
+                let remedy = self.advice(text).unwrap_or(remedy);
                 let (place, column) = (self.place(i), self.name(i));
                 Err(LogError::NotNumber { place, column, found: shorten(text), remedy })
             }
         }
+    }
+
+    /// As [`Format::plain`].
+    pub(crate) fn plain<'t>(&self, text: &'t str) -> Option<Cow<'t, str>> {
+        self.format.plain(text)
+    }
+
+    /// What to do about a number of another country than the format's.
+    pub(crate) fn advice(&self, text: &str) -> Option<&'static str> {
+        let reads = |decimal_comma, mark| {
+            let format = Format { decimal_comma, thousands: mark, ..Format::default() };
+            format.plain(text).is_some_and(|plain| plain.parse::<f64>().is_ok())
+        };
+        match &self.format {
+            Format { decimal_comma: true, .. } if reads(false, None) => {
+                Some("a decimal point, and [data] says decimal = \",\"")
+            }
+            Format { decimal_comma: false, .. } if reads(true, None) => {
+                Some("a decimal comma: give decimal = \",\" in [data], or write a decimal point")
+            }
+            _ if reads(true, Some('.')) => Some(
+                "digits grouped by points, and a decimal comma: give thousands = \".\" and decimal = \",\" in [data]",
+            ),
+            _ if reads(false, Some(',')) => Some("digits grouped by commas: give thousands = \",\" in [data]"),
+            _ if reads(false, Some('\'')) => Some("digits grouped by ': give thousands = \"'\" in [data]"),
+            _ if reads(self.format.decimal_comma, Some(' ')) => {
+                Some("digits grouped by blanks: give thousands = \" \" in [data]")
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether a text is a number but for its decimal comma.
+    pub(crate) fn has_decimal_comma(text: &str) -> bool {
+        text.contains(',') && text.replacen(',', ".", 1).parse::<f64>().is_ok()
     }
 
     /// Name of column `i`, for messages.
@@ -149,7 +207,20 @@ impl<'a> Rows<'a> {
     }
 
     fn ragged(&self) -> LogError {
-        let hint = if self.breaks() > 0 { " (is a quote left open?)" } else { "" };
+        let more = self.record.len() > self.names.len();
+        let digits = |cell: &[u8]| !cell.is_empty() && cell.iter().all(|b| b.is_ascii_digit() || *b == b'-');
+        let hint = if self.breaks() > 0 {
+            " (is a quote left open?)"
+        } else if more && self.delimiter == b',' && self.record.iter().all(digits) {
+            " (decimal commas? part the cells by ; or put numbers in quotes, and give decimal = \",\" in [data])"
+        } else if more
+            && !self.begun
+            && self.record.iter().next_back().is_some_and(|last| !last.trim_ascii().is_empty())
+        {
+            " (do lines stand before the header? give `header_line` in [data])"
+        } else {
+            ""
+        };
         let place = Place { column: None, ..self.place(0) };
         LogError::Ragged { place, found: self.record.len(), expected: self.names.len(), hint }
     }
@@ -175,6 +246,9 @@ fn sniff(header: &[u8]) -> u8 {
 
 /// 1-based character at which the content of cell `i` starts in a line.
 fn character(line: &[u8], delimiter: u8, i: usize) -> Option<usize> {
+    if delimiter == b' ' {
+        return word(line, i);
+    }
     let (mut cell, mut quoted, mut opening) = (0, false, true);
     for (at, &byte) in line.iter().enumerate() {
         let is_blank = byte.is_ascii_whitespace() && !matches!(byte, b'\r' | b'\n') && byte != delimiter;
@@ -187,6 +261,23 @@ fn character(line: &[u8], delimiter: u8, i: usize) -> Option<usize> {
         }
         opening = byte == delimiter && !quoted;
         cell += usize::from(opening);
+    }
+    None
+}
+
+/// 1-based character at which word `i` starts in a line whose words are parted by blanks.
+fn word(line: &[u8], i: usize) -> Option<usize> {
+    let (mut next, mut quoted, mut inside) = (0, false, false);
+    for (at, &byte) in line.iter().enumerate() {
+        let is_blank = byte.is_ascii_whitespace() && !quoted;
+        if !is_blank && !inside {
+            if next == i {
+                return Some(line[..at].iter().filter(|&&b| b & 0xC0 != 0x80).count() + 1);
+            }
+            next += 1;
+        }
+        inside = !is_blank;
+        quoted ^= byte == b'"';
     }
     None
 }

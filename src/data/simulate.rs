@@ -5,7 +5,7 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 use rand_distr::{Distribution, StandardNormal};
 
-use super::{Log, Table, Trajectory};
+use super::{Log, Table, Times, Trajectory};
 use crate::model::{First, Problem, SimulateSpec};
 use crate::optimize::random::{Purpose, Stream};
 use crate::reference::{Affine, Formulas};
@@ -63,6 +63,7 @@ pub(super) fn realisations(problem: &Problem, seed: Option<u64>, range: Range<us
         inputs: Vec::new(),
         truth: problem.model.states.clone(),
         trajectories: Vec::with_capacity(range.len()),
+        times: Times::counting(problem.data.time_unit.unwrap_or_default()),
     };
     // Line 1 is the header of the CSV that the log may be written to.
     let mut line = 2 + (range.start * (spec.steps + 1)) as u64;

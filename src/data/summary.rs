@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Log, Trajectory};
+use super::{Log, TimeUnit, Trajectory};
 
 /// Rows, times and gaps of a log.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,15 +13,19 @@ pub struct Summary {
     pub rows: usize,
     /// Number of trajectories.
     pub trajectories: usize,
-    /// First and last time of the log \[s\].
+    /// First and last time of the log.
     pub span: [f64; 2],
+    /// The cells that they stand in, where those are not plain numbers.
+    pub stamps: Option<[String; 2]>,
+    /// What times count.
+    pub unit: TimeUnit,
     /// Intervals between rows; `None` when no trajectory has two rows.
     pub dt: Option<Intervals>,
     /// Gaps in each measurement, input and truth column, in that order.
     pub columns: Vec<ColumnSummary>,
 }
 
-/// Intervals between rows \[s\].
+/// Intervals between rows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[expect(missing_docs, reason = "the names say it")]
 pub struct Intervals {
@@ -60,6 +64,8 @@ impl Summary {
             rows: log.rows(),
             trajectories: log.trajectories.len(),
             span: [times().fold(f64::INFINITY, f64::min), times().fold(f64::NEG_INFINITY, f64::max)],
+            stamps: log.stamps(),
+            unit: log.times.unit,
             dt: Intervals::of(log),
             columns: columns.concat(),
         }
@@ -67,8 +73,10 @@ impl Summary {
 }
 
 impl Intervals {
-    fn of(log: &Log) -> Option<Self> {
-        let mut all: Vec<f64> = log.trajectories.iter().flat_map(|t| t.time.windows(2).map(|w| w[1] - w[0])).collect();
+    /// `None` when no trajectory has two rows.
+    #[must_use]
+    pub fn of(log: &Log) -> Option<Self> {
+        let mut all: Vec<f64> = log.trajectories.iter().flat_map(|t| (0..t.len()).filter_map(|k| t.dt(k))).collect();
         if all.is_empty() {
             return None;
         }
@@ -106,14 +114,19 @@ impl fmt::Display for Summary {
         let plural = |n: usize, one: &str, many: &str| format!("{n} {}", if n == 1 { one } else { many });
         let rows = plural(self.rows, "row", "rows");
         let trajectories = plural(self.trajectories, "trajectory", "trajectories");
-        let [first, last] = self.span.map(Short);
-        writeln!(f, "{}: {rows} in {trajectories}, time {first} to {last} s", self.source)?;
+        let unit = self.unit.counted();
+        write!(f, "{}: {rows} in {trajectories}, time ", self.source)?;
+        let [first, last] = self.span;
+        match &self.stamps {
+            Some([from, to]) => writeln!(f, "{from} to {to} ({} {unit})", Short(last - first))?,
+            None => writeln!(f, "{} to {} {unit}", Short(first), Short(last))?,
+        }
         match self.dt {
             None => writeln!(f, "  dt: none (single rows)")?,
-            Some(dt) if dt.regular => writeln!(f, "  dt: {} s, regular", Short(dt.median))?,
+            Some(dt) if dt.regular => writeln!(f, "  dt: {} {unit}, regular", Short(dt.median))?,
             Some(dt) => {
                 let (min, median, max) = (Short(dt.min), Short(dt.median), Short(dt.max));
-                writeln!(f, "  dt: min {min}, median {median}, max {max} s, irregular")?;
+                writeln!(f, "  dt: min {min}, median {median}, max {max} {unit}, irregular")?;
             }
         }
         let with_gaps: Vec<String> = self.columns.iter().filter(|c| c.missing > 0).map(ToString::to_string).collect();

@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use super::decimal::Decimal;
 use super::{Log, Trajectory};
 use crate::model::DataSpec;
 
@@ -24,7 +25,7 @@ impl Log {
         for t in &self.trajectories {
             for k in 0..t.len() {
                 let id = trajectory.map(|_| t.id.clone());
-                let at = time.map(|_| cell(t.time[k]));
+                let at = time.map(|_| cell(in_unit_of_cells(t.time[k], spec)));
                 csv.write_record(id.into_iter().chain(at).chain(values(t, k)))?;
             }
         }
@@ -35,6 +36,14 @@ impl Log {
         let is_unit =
             |t: &Trajectory| t.time.iter().enumerate().all(|(k, time)| time.to_bits() == (k as f64).to_bits());
         self.trajectories.iter().all(is_unit)
+    }
+}
+
+/// A time as the numbers of its column count it: seconds may be written in fractions of one.
+fn in_unit_of_cells(time: f64, spec: &DataSpec) -> f64 {
+    match spec.time_unit.unwrap_or_default().decimals() {
+        0 => time,
+        decimals => Decimal::shortest(time).map_or(time, |time| time.shifted(decimals).to_f64()),
     }
 }
 

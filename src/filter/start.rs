@@ -82,6 +82,7 @@ mod tests {
             inputs: vec!["u".to_owned()],
             truth: vec![],
             trajectories: trajectories.iter().map(trajectory).collect(),
+            ..Log::default()
         }
     }
 

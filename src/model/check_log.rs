@@ -3,7 +3,7 @@
 use super::error::{Cause, Fault};
 use super::read::locate;
 use super::{First, Problem, ProblemError, Start, Symbol, definite};
-use crate::data::{Log, Trajectory};
+use crate::data::{Log, Origin, TimeUnit, Trajectory};
 use crate::objective::Kind;
 
 impl Problem {
@@ -14,6 +14,7 @@ impl Problem {
     /// truth missing, or a process noise that is none at the log's intervals.
     pub fn check_log(&self, log: &Log) -> Result<Vec<String>, ProblemError> {
         let mut warnings = self.unused();
+        warnings.extend(self.epoch_without_unit(log));
         self.check_intervals(log, &mut warnings)?;
         self.check_start(log)?;
         self.check_inputs(log)?;
@@ -57,8 +58,25 @@ impl Problem {
         unused.map(|(p, _)| format!("the searched parameter `{}` is used in no formula", p.name)).collect()
     }
 
+    /// A warning where numbers of the time column have the size of epochs in fractions of a second.
+    fn epoch_without_unit(&self, log: &Log) -> Option<String> {
+        let column = self.data.time.as_ref().filter(|_| self.data.time_unit.is_none())?;
+        let first = match &log.times.origin {
+            Origin::Zero => *log.trajectories.first()?.time.first()?,
+            Origin::Number(first) => first.parse().ok()?,
+            Origin::Instant(_) | Origin::TimeOfDay(_) => return None,
+        };
+        let unit = TimeUnit::of_epoch(first).filter(|unit| unit.decimals() > 0)?;
+        Some(format!(
+            "the times of {} in column `{column}`, such as {first}, look like an epoch in {unit} and are taken as \
+             seconds: give time_unit = \"{unit}\" in [data]",
+            log.source,
+            unit = unit.name()
+        ))
+    }
+
     fn check_intervals(&self, log: &Log, warnings: &mut Vec<String>) -> Result<(), ProblemError> {
-        let intervals = || log.trajectories.iter().flat_map(|t| t.time.windows(2).map(|w| w[1] - w[0]));
+        let intervals = || log.trajectories.iter().flat_map(|t| (0..t.len()).filter_map(|k| t.dt(k)));
         let irregular = log.regular_dt().is_none() && intervals().next().is_some();
         let adapted = matches!(self.filter, super::FilterKind::SageHusa { .. });
         if self.model.first == (First::Predict { dt: None }) && log.regular_dt().is_none() {

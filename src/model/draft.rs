@@ -1,7 +1,12 @@
 //! A first problem file for a log: columns by name and content, a built-in model, starts and bounds from the data.
 
+mod cautions;
+mod clockwork;
 mod estimate;
+mod layout;
+mod names;
 mod roles;
+mod series;
 mod survey;
 mod text;
 
@@ -11,9 +16,11 @@ mod tests;
 use std::io::Read;
 use std::path::Path;
 
-use crate::data::LogError;
+use crate::data::{Log, LogError, Oddity};
 use crate::model::DataSpec;
+use cautions::Degrees;
 use estimate::{Axis, Motion};
+use layout::Layout;
 use roles::Roles;
 use survey::Survey;
 
@@ -45,14 +52,16 @@ pub struct Draft {
     pub text: String,
     /// Its `[data]` table.
     pub data: DataSpec,
+    /// What the user should know before tuning it, in sentences.
+    pub warnings: Vec<String>,
 }
 
 /// Drafts a problem file for the log that `reader` holds.
 ///
-/// `log_path` becomes `file` in `[data]` and stands in messages; `-` is standard input. Reads the whole log once.
+/// `log_path` becomes `file` in `[data]` and stands in messages; `-` is standard input. Holds the whole text in memory.
 ///
 /// # Errors
-/// [`LogError`]: the log is not a CSV table, or no column of it could be a measurement.
+/// [`LogError`]: the log is not a CSV table, its times cannot be read, or no column of it could be a measurement.
 ///
 /// # Examples
 /// ```
@@ -65,28 +74,60 @@ pub struct Draft {
 pub fn draft(log_path: &Path, mut reader: impl Read) -> Result<Draft, LogError> {
     let file = log_path.display().to_string();
     let source = if file == "-" { "<stdin>" } else { &file };
-    let survey = Survey::read(&mut reader, source)?;
-    let roles = Roles::guess(&survey);
-    if roles.candidates.is_empty() {
-        return Err(LogError::NothingToMeasure { file: source.into() });
+    let mut text = Vec::new();
+    reader.read_to_end(&mut text).map_err(|error| LogError::Io { file: source.into(), error })?;
+    let Layout { mut format, units, mut said } = Layout::of(&text, source)?;
+    let mut survey = Survey::read(&text, source, &format)?;
+    if let Some((lines, summary)) = survey.without_summaries() {
+        format.skip_lines.extend(lines);
+        said.push(summary);
     }
-    let series: Vec<_> = roles.candidates.iter().map(|&i| survey.series(i, &roles)).collect();
+    let roles = Roles::guess(&survey);
+    clockwork::refuse_unreadable(&survey, &roles)?;
+    let flaws = cautions::flaws(&survey);
+    if roles.candidates.is_empty() {
+        let reason = flaws.first().map_or_else(String::new, |flaw| format!(": {flaw}"));
+        return Err(LogError::NothingToMeasure { file: source.into(), reason: reason.into() });
+    }
+    let name = |i: &usize| survey.columns[*i].name.clone();
+    let mut data = DataSpec {
+        file: Some(file.clone()),
+        time: roles.time.as_ref().map(name),
+        measurements: roles.candidates.iter().map(name).collect(),
+        trajectory: roles.trajectory.as_ref().map(name),
+        format,
+        ..DataSpec::default()
+    };
+    let unit = clockwork::guess_unit(&survey, &roles, &units, &data, &text);
+    data.time_unit = unit.as_ref().map(|(unit, _)| *unit);
+    // As `tune` will read it, with every candidate measured.
+    let log = Log::read(&data, text.as_slice(), source)?;
+    let series: Vec<_> = (0..roles.candidates.len()).map(|i| series::series(&log, i)).collect();
     let motion = Motion::of(&series);
     let taken = roles.candidates.len().min(motion.most_axes());
     let axes: Vec<Axis> =
         roles.axis_names(&survey, taken).into_iter().zip(&series).map(|(n, s)| motion.axis(n, s)).collect();
     let states = motion.states(&axes);
-    let name = |i: &usize| survey.columns[*i].name.clone();
-    let data = DataSpec {
-        file: Some(file),
-        time: roles.time.as_ref().map(name),
-        measurements: roles.candidates[..taken].iter().map(name).collect(),
-        inputs: Vec::new(),
-        truth: roles.truth_of(&survey, &states),
-        trajectory: roles.trajectory.as_ref().map(name),
-        validate: None,
+    data.measurements.truncate(taken);
+    data.truth = roles.truth_of(&survey, &states);
+    let degrees = Degrees::of(&survey, &roles, taken);
+    said.extend(clockwork::say(&survey, &roles, unit.as_ref()));
+    said.extend(cautions::inputs(&survey, &roles));
+    said.extend(flaws);
+    said.extend(degrees.as_ref().map(|degrees| degrees.said(&survey)));
+    said.extend(Oddity::of(&log).iter().filter(|odd| data.measurements.contains(&odd.column)).map(ToString::to_string));
+    let start = text::Start::of(&log, &axes);
+    let units = roles.units_of(&survey, &units, taken, degrees.as_ref());
+    let page = text::Page {
+        survey: &survey,
+        roles: &roles,
+        data: &data,
+        motion,
+        axes: &axes,
+        states: &states,
+        said: &said,
+        start: &start,
+        units: &units,
     };
-    let text =
-        text::Page { survey: &survey, roles: &roles, data: &data, motion, axes: &axes, states: &states }.to_string();
-    Ok(Draft { text, data })
+    Ok(Draft { text: page.to_string(), data, warnings: said })
 }

@@ -1,6 +1,7 @@
 //! A problem: data, model, parameters, filter, and how to tune.
 
 use super::{Expr, FilterKind, Parameters, Span};
+use crate::data::{Format, TimeUnit};
 use crate::objective::{Constraint, Objective};
 
 /// A whole problem file, checked: names resolved, dimensions consistent, formulas linear where the filter needs it.
@@ -31,6 +32,8 @@ pub struct DataSpec {
     pub file: Option<String>,
     /// Time column; unit steps without.
     pub time: Option<String>,
+    /// What times count; seconds without.
+    pub time_unit: Option<TimeUnit>,
     /// Measurement columns, m.
     pub measurements: Vec<String>,
     /// Input columns.
@@ -41,6 +44,8 @@ pub struct DataSpec {
     pub trajectory: Option<String>,
     /// What `tune` holds out; `None` = nothing.
     pub validate: Option<ValidateSpec>,
+    /// How the file writes cells and numbers.
+    pub format: Format,
 }
 
 /// `data.validate`: the share of the log that the search never sees.

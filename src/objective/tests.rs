@@ -43,6 +43,7 @@ fn log(trajectories: &[&[[f64; 4]]]) -> Log {
         inputs: vec![],
         truth: vec!["x".to_owned(), "y".to_owned()],
         trajectories: trajectories.iter().map(|rows| trajectory(rows)).collect(),
+        ..Log::default()
     }
 }
 

@@ -55,6 +55,12 @@ pub struct LogFacts {
     pub rows: usize,
     /// Number of trajectories.
     pub trajectories: usize,
+    /// First and last time as the log writes them, where its times count from its first row.
+    #[serde(default)]
+    pub span: Option<[String; 2]>,
+    /// What dt counts.
+    #[serde(default = "seconds")]
+    pub time_unit: String,
     /// SHA-256 of its numbers, so that two results can be told to be of the same log.
     #[serde(default)]
     pub sha256: String,
@@ -98,6 +104,11 @@ pub struct Scored {
     pub objectives: Option<Named<f64>>,
 }
 
+/// The unit of results written before there was another.
+fn seconds() -> String {
+    "s".to_owned()
+}
+
 impl LogFacts {
     /// Of a whole log, before anything is held out.
     #[must_use]
@@ -106,6 +117,8 @@ impl LogFacts {
             source: log.source.clone(),
             rows: log.rows(),
             trajectories: log.trajectories.len(),
+            span: log.stamps(),
+            time_unit: log.times.unit.counted().to_owned(),
             sha256: Identity::of_log(log),
             measurements_sha256: Identity::of_measurements(log),
             truth_sha256: Identity::of_truth(log),

@@ -25,7 +25,7 @@ pub struct Columns {
     pub smoothed: bool,
 }
 
-/// Writes trajectory (where the log has them), time \[s\], posterior states, covariance `P_a_b`, prior innovations
+/// Writes trajectory (where the log has them), time as the log writes it, posterior states, covariance `P_a_b`, prior innovations
 /// `nu_z`, their variances `S_z`, and `nis`; then smoothed states `x_smoothed` and covariance `P_a_b_smoothed`. A cell is
 /// empty where nothing was measured; numbers read back bit for bit.
 #[derive(Debug)]
@@ -61,7 +61,8 @@ impl<'a, W: Write> RunTable<'a, W> {
     /// If the log has no such trajectory.
     pub fn row(&mut self, trajectory: usize, step: &Step, smoothed: Option<&Estimate>) -> csv::Result<()> {
         let trajectory = &self.log.trajectories[trajectory];
-        let mut cells = row(trajectory, self.named, step, &self.entries);
+        let time = self.log.time_text(trajectory, step.row);
+        let mut cells = row(trajectory, (self.named, &time), step, &self.entries);
         if self.smoothed {
             let n = step.posterior.x.len();
             match smoothed {
@@ -109,11 +110,11 @@ fn estimate<'a>(estimate: &'a Estimate, entries: &'a [(usize, usize)]) -> impl I
     estimate.x.iter().map(|x| exact(*x)).chain(covariance)
 }
 
-fn row(trajectory: &Trajectory, named: bool, step: &Step, entries: &[(usize, usize)]) -> Vec<String> {
+fn row(trajectory: &Trajectory, (named, time): (bool, &str), step: &Step, entries: &[(usize, usize)]) -> Vec<String> {
     let m = trajectory.z.columns();
     let mut cells = Vec::with_capacity(3 + step.posterior.x.len() + entries.len() + 2 * m);
     cells.extend(named.then(|| trajectory.id.clone()));
-    cells.push(exact(step.time));
+    cells.push(time.to_owned());
     cells.extend(estimate(&step.posterior, entries));
     let mut innovations = vec![String::new(); m];
     let mut variances = vec![String::new(); m];

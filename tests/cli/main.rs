@@ -16,6 +16,7 @@ mod figures;
 mod filter;
 mod front;
 mod gpu;
+mod init;
 mod long_input;
 mod memory;
 mod output;

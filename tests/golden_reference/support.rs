@@ -178,6 +178,7 @@ pub(crate) fn log(trajectories: Vec<Trajectory>) -> Log {
         inputs: names('u', first.u.columns()),
         truth: names('x', first.truth.columns()),
         trajectories,
+        ..Log::default()
     }
 }
 

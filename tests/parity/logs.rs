@@ -81,6 +81,7 @@ pub(crate) fn draw(problem: &Problem, shape: Shape, seed: u64) -> Log {
         inputs: problem.model.inputs.clone(),
         truth: problem.data.truth.iter().map(|(state, _)| state.clone()).collect(),
         trajectories,
+        ..Log::default()
     }
 }
 

@@ -109,6 +109,7 @@ fn log(trajectories: Vec<Trajectory>) -> Log {
         inputs: vec![],
         truth: STATES.map(str::to_owned).into(),
         trajectories,
+        ..Log::default()
     }
 }
 

@@ -85,7 +85,8 @@ fn cells_that_are_no_numbers() {
     );
     assert_eq!(
         message("t;z\n0;1,5\n"),
-        "log.csv:2:3: column \"z\": expected a number, found \"1,5\" (write a decimal point)"
+        "log.csv:2:3: column \"z\": expected a number, found \"1,5\" (a decimal comma: give decimal = \",\" in [data], or write \
+         a decimal point)"
     );
     let long = format!("t,z\n0,{}\n", "ü".repeat(99));
     assert!(message(&long).contains(&format!("found \"{}...\"", "ü".repeat(60))), "{}", message(&long));

@@ -44,7 +44,14 @@ fn log() -> impl Strategy<Value = Log> {
         }
         let data = full_spec();
         let (measurements, inputs) = (data.measurements, data.inputs);
-        Log { source: "log.csv".to_owned(), measurements, inputs, truth: vec!["x".to_owned()], trajectories }
+        Log {
+            source: "log.csv".to_owned(),
+            measurements,
+            inputs,
+            truth: vec!["x".to_owned()],
+            trajectories,
+            ..Log::default()
+        }
     })
 }
 

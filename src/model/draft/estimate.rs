@@ -1,6 +1,6 @@
 //! Rough noise variances by the method of moments, good enough to start a search from.
 
-use super::survey::{Series, median};
+use super::series::{Series, median};
 
 /// Most axes of a built-in model, and of a random walk written as formulas.
 const BUILT_IN_AXES: usize = 3;
@@ -24,9 +24,9 @@ pub(super) struct Axis {
     pub(super) name: String,
     /// Measurement noise variance [unit^2].
     pub(super) r: f64,
-    /// Process noise: of a level [unit^2/s], of a velocity [unit^2/s^3].
+    /// Process noise: of a level [unit^2/T], of a velocity [unit^2/T^3], T the unit of time.
     pub(super) q: f64,
-    /// Variance of the velocity at the start [unit^2/s^2].
+    /// Variance of the velocity at the start [unit^2/T^2].
     pub(super) velocity_variance: f64,
 }
 

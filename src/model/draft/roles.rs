@@ -1,29 +1,11 @@
 //! Which column is what, by its name first and its content second.
 
-use super::survey::{Content, Survey};
+use super::cautions::Degrees;
+use super::names::{Input, names_a_counter, names_a_measurement, names_a_time, names_an_input, unit_in};
+use super::survey::{Column, Content, Survey};
+use crate::data::TimeUnit;
 use crate::model::Function;
 
-const TIMES: &[&str] = &[
-    "t",
-    "t_s",
-    "time",
-    "time_s",
-    "time_sec",
-    "timestamp",
-    "stamp",
-    "date",
-    "datetime",
-    "utc",
-    "year",
-    "sec",
-    "secs",
-    "second",
-    "seconds",
-];
-const TRAJECTORIES: [&str; 10] =
-    ["id", "track", "track_id", "trackid", "trajectory", "run", "run_id", "target", "target_id", "realisation"];
-/// Row counters: never measured, but good enough as time where nothing better increases.
-const COUNTERS: [&str; 7] = ["index", "frame", "step", "row", "seq", "sample", "epoch"];
 const TRUTH_SUFFIXES: [&str; 3] = ["_true", "_truth", "_gt"];
 const TRUTH_PREFIXES: [&str; 3] = ["true_", "truth_", "gt_"];
 
@@ -31,40 +13,28 @@ const TRUTH_PREFIXES: [&str; 3] = ["true_", "truth_", "gt_"];
 const MANY: usize = 3;
 
 /// Guessed roles, as positions in [`Survey::columns`].
+#[derive(Default)]
 pub(super) struct Roles {
     pub(super) time: Option<usize>,
+    /// Whether the time was taken for rising alone, not for its name.
+    pub(super) time_by_content: bool,
     pub(super) trajectory: Option<usize>,
     /// (state it would be the truth of, column).
     pub(super) truth: Vec<(String, usize)>,
     /// Columns that could be measured, the likeliest first.
     pub(super) candidates: Vec<usize>,
-    /// A column named like a time that does not increase, and the line where it fails.
-    pub(super) false_time: Option<(usize, u64)>,
-}
-
-/// Whether a column of this name tells trajectories apart.
-pub(super) fn names_a_trajectory(name: &str) -> bool {
-    TRAJECTORIES.contains(&name.to_lowercase().as_str())
-}
-
-fn names_a_time(name: &str) -> bool {
-    TIMES.contains(&name.to_lowercase().as_str())
-}
-
-fn names_a_counter(name: &str) -> bool {
-    COUNTERS.contains(&name.to_lowercase().as_str())
+    /// Columns named like inputs, which are not among the candidates.
+    pub(super) inputs: Vec<usize>,
+    /// Whether the candidates are named like inputs too, as nothing else is there.
+    pub(super) measures_inputs: bool,
+    /// A column named like a time that does not increase.
+    pub(super) false_time: Option<Stop>,
 }
 
 /// `x` for `x_true`, `true_x`, `truth_x`, `x_gt`, ...
 fn truth_of_what(name: &str) -> Option<&str> {
     let suffix = TRUTH_SUFFIXES.iter().find_map(|s| name.strip_suffix(s));
     suffix.or_else(|| TRUTH_PREFIXES.iter().find_map(|p| name.strip_prefix(p))).filter(|state| !state.is_empty())
-}
-
-/// Names that say outright that they are measured: `z`, `z0`, `zx`, `meas_x`, `obs_1`.
-fn names_a_measurement(name: &str) -> bool {
-    let name = name.to_lowercase();
-    (name.starts_with('z') && name.len() <= 3) || name.contains("meas") || name.starts_with("obs")
 }
 
 impl Roles {
@@ -75,13 +45,13 @@ impl Roles {
         let truth: Vec<(String, usize)> = columns
             .iter()
             .enumerate()
-            .filter(|(_, c)| c.content == Content::Numbers)
+            .filter(|(_, c)| c.content == Content::Numbers && c.odd.is_empty())
             .filter_map(|(i, c)| Some((truth_of_what(&c.name)?.to_owned(), i)))
             .collect();
-        let mut roles = Self { time: None, trajectory, truth, candidates: Vec::new(), false_time: None };
+        let mut roles = Self { trajectory, truth, ..Self::default() };
         roles.guess_time(survey);
         let used = |i: usize| {
-            let named = [roles.time, roles.trajectory, roles.false_time.map(|(i, _)| i)];
+            let named = [roles.time, roles.trajectory, roles.false_time.as_ref().map(|stop| stop.column)];
             named.contains(&Some(i)) || roles.truth.iter().any(|(_, truth)| *truth == i)
         };
         let counts = |i: usize| names_a_time(&columns[i].name) || names_a_counter(&columns[i].name);
@@ -91,7 +61,17 @@ impl Roles {
             candidates.retain(|&i| names_a_measurement(&columns[i].name));
         }
         roles.candidates = candidates;
+        roles.set_inputs_aside(survey);
         roles
+    }
+
+    /// Sets aside what is named like an input, as long as something less so remains to be measured.
+    fn set_inputs_aside(&mut self, survey: &Survey) {
+        let likeness = |i: usize| names_an_input(&survey.columns[i].name);
+        let Some(least) = self.candidates.iter().map(|&i| likeness(i)).min() else { return };
+        let (kept, aside) = std::mem::take(&mut self.candidates).into_iter().partition(|&i| likeness(i) == least);
+        (self.candidates, self.inputs) = (kept, aside);
+        self.measures_inputs = least > Input::No;
     }
 
     /// The first column named like a time that increases; where none is named so, the first that increases.
@@ -100,18 +80,20 @@ impl Roles {
         let free: Vec<usize> = (0..columns.len())
             .filter(|&i| Some(i) != self.trajectory && !self.truth.iter().any(|(_, truth)| *truth == i))
             .filter(|&i| matches!(columns[i].content, Content::Numbers | Content::Instants(_)))
-            .filter(|&i| !columns[i].name.is_empty())
+            .filter(|&i| !columns[i].name.is_empty() && columns[i].odd.is_empty())
             .collect();
         let trajectory = self.trajectory;
-        let stop = |i: usize| stops_increasing(survey, trajectory, i);
-        let named: Vec<usize> = free.iter().copied().filter(|&i| names_a_time(&columns[i].name)).collect();
+        let stop = |i: usize| Stop::of(survey, trajectory, i);
+        let others = |time: usize| free.iter().any(|&i| i != time && columns[i].varies());
+        let is_time = |i: &usize| names_a_time(&columns[*i].name) || (is_epoch(&columns[*i]) && others(*i));
+        let named: Vec<usize> = free.iter().copied().filter(is_time).collect();
         if let Some(&first) = named.first() {
             self.time = named.iter().copied().find(|&i| stop(i).is_none());
-            self.false_time = if self.time.is_none() { stop(first).map(|line| (first, line)) } else { None };
+            self.false_time = if self.time.is_none() { stop(first) } else { None };
         } else {
             // A lone rising column is what was measured.
-            let others = |time: usize| free.iter().any(|&i| i != time && columns[i].varies());
             self.time = free.iter().copied().find(|&i| stop(i).is_none()).filter(|&i| others(i));
+            self.time_by_content = self.time.is_some();
         }
     }
 
@@ -132,6 +114,22 @@ impl Roles {
         names
     }
 
+    /// The unit of each of the first `count` candidates, empty where nothing tells it.
+    pub(super) fn units_of(
+        &self,
+        survey: &Survey,
+        row: &[String],
+        count: usize,
+        degrees: Option<&Degrees>,
+    ) -> Vec<String> {
+        let unit = |&i: &usize| {
+            let row = row.get(i).map(String::as_str).filter(|unit| !unit.is_empty());
+            let angle = degrees.and_then(|d| d.columns.iter().any(|(column, _)| *column == i).then_some("deg"));
+            row.or_else(|| unit_in(&survey.columns[i].name)).or(angle).unwrap_or_default().to_owned()
+        };
+        self.candidates[..count].iter().map(unit).collect()
+    }
+
     /// (state, column) of every truth column that is of one of `states`.
     pub(super) fn truth_of(&self, survey: &Survey, states: &[String]) -> Vec<(String, String)> {
         let known = self.truth.iter().filter(|(state, _)| states.contains(state));
@@ -145,18 +143,45 @@ impl Roles {
     }
 }
 
-/// The first line where column `i` is missing or no greater than before in its trajectory.
-fn stops_increasing(survey: &Survey, trajectory: Option<usize>, i: usize) -> Option<u64> {
-    let mut last = vec![f64::NEG_INFINITY];
-    for (row, &value) in survey.columns[i].values.iter().enumerate() {
-        let trajectory = trajectory.map_or(0, |t| survey.columns[t].values[row] as usize);
-        last.resize(last.len().max(trajectory + 1), f64::NEG_INFINITY);
-        if value.is_nan() || value <= last[trajectory] {
-            return Some(survey.lines[row]);
+/// Where a column that should be a time does not increase.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Stop {
+    pub(super) column: usize,
+    pub(super) line: u64,
+    /// How, for messages: "is empty", "stands still", "goes back".
+    pub(super) how: &'static str,
+}
+
+impl Stop {
+    /// The first line where column `i` is missing or no greater than before in its trajectory.
+    fn of(survey: &Survey, trajectory: Option<usize>, i: usize) -> Option<Self> {
+        let mut last = vec![f64::NEG_INFINITY];
+        for (row, &value) in survey.columns[i].values.iter().enumerate() {
+            let trajectory = trajectory.map_or(0, |t| survey.columns[t].values[row] as usize);
+            last.resize(last.len().max(trajectory + 1), f64::NEG_INFINITY);
+            let how = match value {
+                v if v.is_nan() => "is empty",
+                v if v < last[trajectory] => "goes back",
+                v if v == last[trajectory] => "stands still",
+                _ => "",
+            };
+            if !how.is_empty() {
+                return Some(Self { column: i, line: survey.lines[row], how });
+            }
+            last[trajectory] = value;
         }
-        last[trajectory] = value;
+        None
     }
-    None
+}
+
+/// Whether numbers have the size of an epoch of the years 2000 to 2040, and nearly all of them rise.
+fn is_epoch(column: &Column) -> bool {
+    let present: Vec<f64> = column.values.iter().copied().filter(|v| !v.is_nan()).collect();
+    let rising = present.windows(2).filter(|w| w[1] >= w[0]).count();
+    let recent = |v: f64, unit: TimeUnit| (9.46e8..2.21e9).contains(&(v / 10f64.powi(unit.decimals())));
+    let unit = |v: &f64| TimeUnit::of_epoch(*v).filter(|unit| recent(*v, *unit));
+    let of_a_size = present.first().and_then(unit).is_some() && present.iter().all(|v| unit(v) == unit(&present[0]));
+    column.content == Content::Numbers && present.len() > 2 && of_a_size && rising * 10 >= present.len() * 8
 }
 
 /// Whether a column of this name measures `state`: `zx`, `z_x`, `x_meas`, `x_z`, ... or `x` itself.
@@ -172,7 +197,7 @@ fn clash(a: &str, b: &str) -> bool {
 }
 
 /// `text` as a name that formulas can use.
-fn identifier(text: &str) -> String {
+pub(super) fn identifier(text: &str) -> String {
     let mut name: String = text.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
     if !name.starts_with(|c: char| c.is_ascii_alphabetic()) {
         name.insert(0, 'x');

@@ -1,13 +1,18 @@
 //! Everything a log holds, before anyone has said which column is what.
 
 use std::collections::HashMap;
-use std::io::Read;
 
-use super::roles::{Roles, names_a_trajectory};
-use crate::data::{Clock, LogError, Rows};
+use super::names::names_a_trajectory;
+use crate::data::{Clock, Format, LogError, Place, Rows, TimeUnit, looks_like_an_instant, no_instant};
 
-/// An interval this many times the median one is a gap: what happened in it says nothing about a step.
-const JUMP: f64 = 10.0;
+/// Cells that are no number in a column of numbers are kept up to this many.
+const ODD: usize = 100;
+/// Words of rows that sum up those before.
+#[rustfmt::skip]
+const SUMMARIES: [&str; 14] = [
+    "mean", "average", "avg", "sum", "total", "min", "max", "std", "stddev", "median", "count", "mittelwert", "summe",
+    "moyenne",
+];
 
 /// All columns of a log.
 pub(super) struct Survey {
@@ -22,6 +27,19 @@ pub(super) struct Column {
     pub(super) content: Content,
     /// One value a row, NaN = missing: numbers, seconds of instants, or running numbers of trajectories. Empty for text.
     pub(super) values: Vec<f64>,
+    /// The first cells of another kind than the rest of the column.
+    pub(super) odd: Vec<Odd>,
+    /// How many there are.
+    odds: usize,
+    /// Whether every instant is a date without a time of day.
+    pub(super) dates: bool,
+}
+
+/// A cell of another kind than its column.
+pub(super) struct Odd {
+    row: usize,
+    pub(super) place: Place,
+    pub(super) text: Box<str>,
 }
 
 /// What a column holds.
@@ -30,7 +48,7 @@ pub(super) enum Content {
     /// No value so far.
     Empty,
     Numbers,
-    /// ISO-8601 times.
+    /// Dates or clock times.
     Instants(Clock),
     /// Anything else.
     Text,
@@ -38,15 +56,9 @@ pub(super) enum Content {
     Labels(HashMap<Box<str>, usize>),
 }
 
-/// Present values of one column in one trajectory, with their times [s].
-pub(super) struct Series {
-    pub(super) time: Vec<f64>,
-    pub(super) value: Vec<f64>,
-}
-
 impl Survey {
-    pub(super) fn read(reader: &mut dyn Read, source: &str) -> Result<Self, LogError> {
-        let mut rows = Rows::open(reader, source)?;
+    pub(super) fn read(mut text: &[u8], source: &str, format: &Format) -> Result<Self, LogError> {
+        let mut rows = Rows::open(&mut text, source, format)?;
         if rows.header_is_numbers() {
             return Err(LogError::NoHeader { place: rows.header_place() });
         }
@@ -55,6 +67,9 @@ impl Survey {
             name: name.clone(),
             content: if label == Some(i) { Content::Labels(HashMap::new()) } else { Content::Empty },
             values: Vec::new(),
+            odd: Vec::new(),
+            odds: 0,
+            dates: true,
         };
         let mut columns: Vec<Column> = rows.names().iter().enumerate().map(column).collect();
         let mut lines = Vec::new();
@@ -65,97 +80,113 @@ impl Survey {
         if lines.is_empty() {
             return Err(LogError::HeaderOnly { file: source.into() });
         }
+        columns.iter_mut().for_each(Column::settle);
         Ok(Self { columns, lines })
     }
 
-    /// Rows of each trajectory, in order of appearance.
-    pub(super) fn trajectories(&self, labels: Option<usize>) -> Vec<Vec<usize>> {
-        let Some(labels) = labels else { return vec![(0..self.lines.len()).collect()] };
-        let mut rows: Vec<Vec<usize>> = Vec::new();
-        for (row, &label) in self.columns[labels].values.iter().enumerate() {
-            let label = label as usize;
-            rows.resize_with(rows.len().max(label + 1), Vec::new);
-            rows[label].push(row);
-        }
-        rows
-    }
-
-    /// The present values of column `i`, trajectory by trajectory, parted where time jumps.
-    pub(super) fn series(&self, i: usize, roles: &Roles) -> Vec<Series> {
-        let one = |rows: Vec<usize>| {
-            let mut series = Series { time: Vec::new(), value: Vec::new() };
-            for (step, &row) in rows.iter().enumerate().filter(|(_, row)| !self.columns[i].values[**row].is_nan()) {
-                series.time.push(roles.time.map_or(step as f64, |t| self.columns[t].values[row]));
-                series.value.push(self.columns[i].values[row]);
-            }
-            series
+    /// Leaves out rows that sum up the others: those that say so, and the last ones with text among numbers. Gives their
+    /// lines, and a sentence.
+    pub(super) fn without_summaries(&mut self) -> Option<(Vec<u64>, String)> {
+        let odd = |row: usize| {
+            let cells = self.columns.iter().filter(|c| c.content != Content::Text).flat_map(|c| &c.odd);
+            cells.filter(move |odd| odd.row == row)
         };
-        let whole: Vec<Series> = self.trajectories(roles.trajectory).into_iter().map(one).collect();
-        let jump = JUMP * median(whole.iter().flat_map(Series::intervals).collect());
-        whole.iter().flat_map(|series| series.parted(jump)).collect()
-    }
-}
-
-impl Series {
-    /// Intervals between values [s].
-    pub(super) fn intervals(&self) -> impl Iterator<Item = f64> {
-        self.time.windows(2).map(|w| w[1] - w[0])
-    }
-
-    fn parted(&self, jump: f64) -> Vec<Self> {
-        let ends = self.intervals().enumerate().filter(|(_, dt)| *dt > jump).map(|(k, _)| k + 1);
-        let (mut parts, mut start) = (Vec::new(), 0);
-        for end in ends.chain([self.time.len()]) {
-            parts.push(Self { time: self.time[start..end].to_vec(), value: self.value[start..end].to_vec() });
-            start = end;
+        let says_so = |text: &str| SUMMARIES.contains(&text.to_lowercase().trim_end_matches([':', '.']));
+        let last = (0..self.lines.len()).rev().take_while(|&row| odd(row).next().is_some()).count();
+        let last = self.lines.len() - if last > 8 { 0 } else { last };
+        let is_summary = |row: usize| odd(row).any(|odd| row >= last || says_so(&odd.text));
+        let candidates = self.columns.iter().flat_map(|c| &c.odd).map(|odd| odd.row);
+        let mut rows: Vec<usize> = candidates.filter(|&row| is_summary(row)).collect();
+        rows.sort_unstable();
+        rows.dedup();
+        let first = odd(*rows.first()?).next()?;
+        let lines: Vec<u64> = rows.iter().map(|&row| self.lines[row]).collect();
+        let more = if lines.len() > 1 { format!(" and {} more", lines.len() - 1) } else { String::new() };
+        let said = format!(
+            "line {}{more} looks like a row that sums up the others ({:?} among numbers) and is left out (skip_lines)",
+            lines[0], first.text
+        );
+        for &row in rows.iter().rev() {
+            self.lines.remove(row);
+            for column in self.columns.iter_mut() {
+                column.odd.retain(|odd| odd.row != row);
+                if row < column.values.len() {
+                    column.values.remove(row);
+                }
+            }
         }
-        parts
+        Some((lines, said))
     }
-}
-
-/// NaN of no values; the upper of the middle two of an even number.
-pub(super) fn median(mut values: Vec<f64>) -> f64 {
-    if values.is_empty() {
-        return f64::NAN;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 impl Column {
     fn push(&mut self, rows: &Rows<'_>, i: usize) {
+        let text = rows.cell(i).unwrap_or("\u{FFFD}");
+        if let Content::Labels(known) = &mut self.content {
+            match label(known, text) {
+                Some(value) => self.values.push(value),
+                None => (self.content, self.values) = (Content::Text, Vec::new()),
+            }
+            return;
+        }
+        if Rows::is_missing(text) {
+            return self.values.push(f64::NAN);
+        }
         let value = match &mut self.content {
-            Content::Text => return,
-            Content::Labels(known) => label(known, rows.cell(i).unwrap_or_default()),
+            Content::Text | Content::Labels(_) => None,
             Content::Numbers => rows.number(i, "").ok(),
             Content::Instants(clock) => clock.read(rows, i).ok(),
             Content::Empty => self.first(rows, i),
         };
-        match value {
-            Some(value) => self.values.push(value),
-            None => (self.content, self.values) = (Content::Text, Vec::new()),
+        if value.is_none() && self.odd.len() < ODD {
+            self.odd.push(Odd { row: self.values.len(), place: rows.place(i), text: text.chars().take(60).collect() });
         }
+        self.odds += usize::from(value.is_none());
+        self.dates &= !text.contains([':', 'T']);
+        self.values.push(value.unwrap_or(f64::NAN));
     }
 
     /// Reads a cell of a column that has had no value yet, and settles its content if there is one.
     fn first(&mut self, rows: &Rows<'_>, i: usize) -> Option<f64> {
         if let Ok(value) = rows.number(i, "") {
-            if !value.is_nan() {
-                self.content = Content::Numbers;
-            }
+            self.content = Content::Numbers;
             return Some(value);
         }
-        let mut clock = Clock::Unset;
-        let origin = clock.read(rows, i).ok();
+        let mut clock = Clock::new(TimeUnit::Second);
+        let origin = clock.read(rows, i).ok()?;
         self.content = Content::Instants(clock);
-        origin
+        Some(origin)
+    }
+
+    /// A column with no more values than odd cells is text.
+    fn settle(&mut self) {
+        let values = self.values.iter().filter(|v| !v.is_nan()).count();
+        if !matches!(self.content, Content::Labels(_)) && self.odds > 0 && self.odds >= values {
+            self.content = Content::Text;
+        }
+        if self.content == Content::Text {
+            self.values = Vec::new();
+        }
+    }
+
+    /// The first cell that keeps the column from being what it mostly is.
+    pub(super) fn flaw(&self) -> Option<&Odd> {
+        self.odd.first().filter(|_| self.content != Content::Text)
+    }
+
+    /// Whether it is text with the look of times that cannot be read: the first such cell.
+    pub(super) fn unreadable_time(&self) -> Option<&Odd> {
+        let timely =
+            |odd: &&Odd| looks_like_an_instant(&odd.text) || no_instant(&odd.text).is_some_and(|r| !r.is_empty());
+        let all = self.odd.iter().filter(timely).count();
+        self.odd.iter().find(timely).filter(|_| self.content == Content::Text && 2 * all > self.odd.len())
     }
 
     /// Whether it holds numbers of which two differ.
     pub(super) fn varies(&self) -> bool {
         let mut present = self.values.iter().filter(|v| !v.is_nan());
         let first = present.next();
-        self.content == Content::Numbers && present.any(|v| Some(v) != first)
+        self.content == Content::Numbers && self.odd.is_empty() && present.any(|v| Some(v) != first)
     }
 }
 

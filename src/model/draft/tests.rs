@@ -121,7 +121,8 @@ fn roles_are_guessed_by_name_then_by_content() {
 fn a_time_that_does_not_increase_is_not_used_and_the_draft_says_where() {
     let draft = of("time,z\n0,1\n1,3\n1,2\n");
     assert_eq!((draft.data.time, draft.data.measurements), (None, vec!["z".to_owned()]));
-    assert!(draft.text.contains("\"time\" is named like a time but does not increase at line 4"), "{}", draft.text);
+    assert!(draft.text.contains("Column \"time\" cannot be the time: it stands still at line 4"), "{}", draft.text);
+    assert!(draft.warnings[0].contains("stands still at line 4"), "{:?}", draft.warnings);
 }
 
 #[test]
@@ -180,6 +181,32 @@ proptest! {
             let costs = reference::costs(&problem, &log.unwrap(), &problem.parameters.baseline());
             prop_assert!(matches!(&costs, Ok(c) if c[0].is_finite()), "{:?}\n{}", costs, draft.text);
         }
+    }
+
+    /// Sensors that report when they like, in several trajectories, in any unit: what is drafted is accepted.
+    #[test]
+    fn drafts_of_logs_with_gaps_are_accepted(
+        rows in prop::collection::vec((0..3_u8, prop::array::uniform4(prop::option::weighted(0.4, -99_i32..99))), 2..40),
+        unit in prop::sample::select(vec!["t", "t_ms", "stamp_us", "time [ns]", "t_min", "day"]),
+        labelled in any::<bool>(),
+    ) {
+        let mut text = format!("{}{unit},a,b,current,lat\n", if labelled { "id," } else { "" });
+        for (k, (id, cells)) in rows.iter().enumerate() {
+            let cells: Vec<String> = cells.iter().map(|cell| cell.map_or_else(String::new, |v| v.to_string())).collect();
+            let label = if labelled { format!("{id},") } else { String::new() };
+            let _ = writeln!(text, "{label}{},{}", 1_600_000_000_000_u64 + 100 * k as u64, cells.join(","));
+        }
+        let Ok(draft) = draft(Path::new("log.csv"), text.as_bytes()) else { return Ok(()) };
+        let problem = Problem::parse(&draft.text, "draft.toml");
+        prop_assert!(problem.is_ok(), "{}\n{}", problem.unwrap_err(), draft.text);
+        let problem = problem.unwrap();
+        prop_assert_eq!(&problem.data, &draft.data);
+        let log = Log::read(&draft.data, text.as_bytes(), "log.csv");
+        prop_assert!(log.is_ok(), "{}\n{}", log.unwrap_err(), draft.text);
+        let log = log.unwrap();
+        prop_assert!(problem.check_log(&log).is_ok(), "{:?}\n{}\n{}", problem.check_log(&log), draft.text, text);
+        let costs = reference::costs(&problem, &log, &problem.parameters.baseline());
+        prop_assert!(matches!(&costs, Ok(c) if c[0].is_finite()), "{:?}\n{}", costs, draft.text);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use toml::de::DeValue;
 
+use super::format;
 use super::node::{Fields, Node};
 use super::parameters::check_name;
 use crate::model::error::{Cause, Fault, nearest};
@@ -10,7 +11,12 @@ use crate::words::shorten;
 
 const MAX_MEASUREMENTS: usize = 32;
 const MAX_INPUTS: usize = 64;
-const KEYS: [&str; 7] = ["file", "time", "measurements", "inputs", "truth", "trajectory", "validate"];
+#[rustfmt::skip]
+const KEYS: [&str; 13] = [
+    "file", "time", "measurements", "inputs", "truth", "trajectory", "validate",
+    // See `super::format`.
+    "time_unit", "separator", "decimal", "thousands", "header_line", "skip_lines",
+];
 
 /// Reads it; truth is checked against the states later, by [`check_truth`].
 pub(super) fn read(document: &Fields<'_>) -> Result<DataSpec, Fault> {
@@ -23,14 +29,17 @@ pub(super) fn read(document: &Fields<'_>) -> Result<DataSpec, Fault> {
     let expected = "a list of column names";
     let measurements = fields.need("measurements", expected)?;
     let inputs = fields.get("inputs");
+    let time = fields.optional("time", Node::name)?;
     let spec = DataSpec {
         file,
-        time: fields.optional("time", Node::name)?,
+        time_unit: format::read_time_unit(&fields, time.is_some())?,
+        time,
         measurements: measurements.names(expected)?,
         inputs: fields.optional("inputs", |n| n.names(expected))?.unwrap_or_default(),
         truth: fields.optional("truth", read_truth)?.unwrap_or_default(),
         trajectory: fields.optional("trajectory", Node::name)?,
         validate: fields.optional("validate", read_validate)?.flatten(),
+        format: format::read(&fields)?,
     };
     limit(measurements.span, spec.measurements.len(), "measurements", MAX_MEASUREMENTS)?;
     if let Some(inputs) = inputs {

@@ -4,6 +4,7 @@ mod constraints;
 mod covariance;
 mod data;
 mod filter;
+mod format;
 mod locate;
 mod model;
 mod node;

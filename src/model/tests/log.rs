@@ -43,6 +43,7 @@ fn log(trajectories: Vec<Trajectory>) -> Log {
         inputs: Vec::new(),
         truth: vec!["p".to_owned()],
         trajectories,
+        ..Log::default()
     }
 }
 

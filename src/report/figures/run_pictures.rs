@@ -5,7 +5,7 @@ use super::extent::{hides_the_rest, lowest_usual, of_course, without_outliers};
 use super::run_record::{MOST, RunRecord};
 use super::track::{MeasurementSeries, StateSeries, Track};
 use super::{Axis, Colour, Dash, Figure, Marker, Panel, Stroke};
-use crate::data::Log;
+use crate::data::{Log, Origin};
 use crate::model::{Problem, SplitBy};
 use crate::report::{Whiteness, count, significant};
 
@@ -287,15 +287,42 @@ pub fn titled(problem: &Problem, what: &str) -> String {
 /// Epochs in seconds, from 2001 to 2128. A smaller number, such as a year, is what its column says.
 const EPOCHS: std::ops::Range<f64> = 1e9..5e9;
 
-/// Time: a column named after it is in seconds, and one such as `year` or `k` counts what its name says. Seconds of Unix
-/// time are dates.
+/// Time: a column named after it is in seconds, and one such as `year` or `k` counts what its name says. What has a date is
+/// shown with it.
 fn time_axis(problem: &Problem, log: &Log) -> Axis {
-    let axis = match problem.data.time.as_deref() {
+    let axis = match (problem.data.time.as_deref(), problem.data.time_unit) {
+        (Some(column), Some(unit)) if column != unit.counted() => Axis::new(column).unit(unit.counted()),
+        (time, _) => named_axis(time),
+    };
+    match (zero_of(log), log.times.unit.seconds()) {
+        (Some(zero), Some(unit)) => axis.instants(zero, unit),
+        _ => axis,
+    }
+}
+
+/// Seconds from 1970 to time 0 of a log; `None` where its times are no dates.
+fn zero_of(log: &Log) -> Option<f64> {
+    let epoch = |number: f64, zero: f64| {
+        let seconds = number * 10.0_f64.powi(-log.times.unit.decimals());
+        EPOCHS.contains(&seconds).then_some(zero)
+    };
+    match &log.times.origin {
+        Origin::Instant(first) => Some(first.as_duration().as_secs_f64()),
+        Origin::Number(first) => {
+            let number = first.parse().ok()?;
+            epoch(number, number * 10.0_f64.powi(-log.times.unit.decimals()))
+        }
+        Origin::Zero => epoch(*log.trajectories.first()?.time.first()?, 0.0),
+        Origin::TimeOfDay(_) => None,
+    }
+}
+
+/// The axis of a time column without a unit of its own.
+fn named_axis(column: Option<&str>) -> Axis {
+    match column {
         None => Axis::new("row"),
         Some("t" | "time" | "T" | "Time") => Axis::new("time").unit("s"),
         Some(column) if column.to_lowercase().starts_with("time") => Axis::new(column).unit("s"),
         Some(column) => Axis::new(column),
-    };
-    let first = log.trajectories.first().and_then(|trajectory| trajectory.time.first());
-    if first.is_some_and(|time| EPOCHS.contains(time)) { axis.instants(0.0, 1.0) } else { axis }
+    }
 }

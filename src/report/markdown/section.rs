@@ -191,8 +191,9 @@ pub(super) fn pictures(pictures: &[Picture]) -> Option<String> {
 
 pub(super) fn filter(tuning: &Tuning) -> Option<String> {
     let Matrices { dt, gain, varies, .. } = &tuning.matrices;
-    let step =
-        dt.map_or_else(|| "For steps of any length dt".to_owned(), |dt| format!("For a step of {} s", short(dt, 6)));
+    let unit = &tuning.effort.log.time_unit;
+    let step = dt
+        .map_or_else(|| "For steps of any length dt".to_owned(), |dt| format!("For a step of {} {unit}", short(dt, 6)));
     let formulas = if varies.is_empty() { "" } else { "; what changes from row to row is a formula" };
     let gain = if *gain == Gain::Steady { "; K is the gain that the filter settles to" } else { "" };
     Some(format!(
@@ -241,11 +242,12 @@ pub(super) fn effort(effort: &Effort) -> String {
         (
             "log",
             format!(
-                "{}, {} rows in {} {}",
+                "{}, {} rows in {} {}{}",
                 plain(&effort.log.source),
                 count(effort.log.rows as u64),
                 effort.log.trajectories,
-                if effort.log.trajectories == 1 { "trajectory" } else { "trajectories" }
+                if effort.log.trajectories == 1 { "trajectory" } else { "trajectories" },
+                effort.log.span.as_ref().map_or_else(String::new, |[from, to]| format!(", {from} to {to}"))
             ),
         ),
         ("SHA-256 of the log's numbers", format!("`{}`", effort.log.sha256)),

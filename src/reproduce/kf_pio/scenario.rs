@@ -96,6 +96,7 @@ fn log_of(trajectories: Vec<Trajectory>) -> Log {
         inputs: names("ux", "uy"),
         truth: names("x", "y"),
         trajectories,
+        ..Log::default()
     }
 }
 

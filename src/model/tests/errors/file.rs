@@ -10,7 +10,7 @@ fn keys() {
             "time =",
             "tiem =",
             "tiem",
-            "3:1: unknown key `tiem` in [data]: did you mean `time`? (known: `file`, `time`, `measurements`, `inputs`, `truth`, `trajectory`, `validate`)",
+            "3:1: unknown key `tiem` in [data]: did you mean `time`? (known: `file`, `time`, `measurements`, `inputs`, `truth`, `trajectory`, `validate`, `time_unit`, `separator`, `decimal`, `thousands`, `header_line`, `skip_lines`)",
         ),
         (
             "[filter]",
@@ -73,6 +73,44 @@ fn data() {
             "{ w = \"p_true\" }",
             "w",
             "6:11: `data.truth` names the state `w`, which does not exist (known: `p`, `v`)",
+        ),
+    ]);
+    check(&[
+        (
+            "time = \"t\"",
+            "time = \"t\"\ntime_unit = \"msec\"",
+            "\"msec\"",
+            "4:13: `data.time_unit` is \"msec\": expected a unit of time (did you mean \"ms\"? known: \"s\", \"ms\", \"us\", \"ns\", \"min\", \"h\", \"day\", \"month\", \"year\")",
+        ),
+        (
+            "time = \"t\"",
+            "time_unit = \"us\"",
+            "\"us\"",
+            "3:13: `data.time_unit` is \"us\": expected \"s\", \"min\", \"h\", \"day\", \"month\" or \"year\" where no `time` column has numbers to convert",
+        ),
+        (
+            "time = \"t\"",
+            "time = \"t\"\ndecimal = \";\"",
+            "\";\"",
+            "4:11: `data.decimal` is \";\": expected \".\" or \",\"",
+        ),
+        (
+            "time = \"t\"",
+            "time = \"t\"\nthousands = \".\"",
+            "\".\"",
+            "4:13: `data.thousands` is \".\": expected another character than the one before decimals",
+        ),
+        (
+            "time = \"t\"",
+            "time = \"t\"\nskip_lines = [0]",
+            "0",
+            "4:15: `data.skip_lines[1]` is 0: expected a whole number from 1",
+        ),
+        (
+            "time = \"t\"",
+            "time = \"t\"\nheader_line = \"2\"",
+            "\"2\"",
+            "4:15: `data.header_line`: expected a whole number, found the string \"2\"",
         ),
     ]);
     let many = (0..33).map(|i| format!("\"z{i}\"")).collect::<Vec<_>>().join(", ");

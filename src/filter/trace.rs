@@ -70,8 +70,7 @@ pub(super) fn trace_rows(
     let mut columns = Columns::default();
     let mut units = Units::own(problem.model.states.len(), problem.model.measurements.len());
     let (g, nominal_of) = (Graph::default(), nominal.as_ref());
-    let mut tracer =
-        Tracer { g, columns: &mut columns, rows, problem, nominal: nominal_of, units: &units, anchored };
+    let mut tracer = Tracer { g, columns: &mut columns, rows, problem, nominal: nominal_of, units: &units, anchored };
     units = Units::choose(&mut tracer)?;
     let mut partition = None;
     loop {

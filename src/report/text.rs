@@ -25,7 +25,8 @@ impl fmt::Display for Tuning {
             writeln!(f, "{}", summary.text(points, self.validation.is_some()))?;
         }
         let unit = &self.effort.log.time_unit;
-        let step = self.matrices.dt.map_or_else(|| "dt varies".to_owned(), |dt| format!("dt = {} {unit}", short(dt, 6)));
+        let step =
+            self.matrices.dt.map_or_else(|| "dt varies".to_owned(), |dt| format!("dt = {} {unit}", short(dt, 6)));
         let gain = if self.matrices.gain == Gain::Steady { "; K: steady gain" } else { "" };
         writeln!(f, "Tuned filter ({step}{gain}):\n{}", self.matrices)?;
         writeln!(f, "Consistency ({}): {}", self.consistency_on, self.consistency)?;

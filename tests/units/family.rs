@@ -116,6 +116,7 @@ pub(crate) fn log(unit: Unit) -> Log {
         Trajectory { id: index.to_string(), time, z, u, truth, line }
     };
     Log {
+        times: kfgpu::data::Times::default(),
         source: "units.csv".to_owned(),
         measurements: vec!["y".to_owned(), "z".to_owned()],
         inputs: vec![],

@@ -31,6 +31,7 @@ fn positivity(problem: &Problem, time: &[f64]) -> Positivity {
     }
     let measurements = vec!["z1".to_owned(), "z2".to_owned()];
     let log = Log {
+        times: crate::data::Times::default(),
         source: "none.csv".to_owned(),
         measurements,
         inputs: vec![],

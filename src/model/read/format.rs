@@ -1,8 +1,9 @@
 //! Keys of `[data]` that say how the file writes times, cells and numbers.
 
-use super::node::{Fields, Node, shorten};
+use super::node::{Fields, Node};
 use crate::data::{Format, TimeUnit};
 use crate::model::error::{Fault, nearest};
+use crate::words::shorten;
 
 /// Reads `time_unit`; fractions of a second are for numbers of a time column.
 pub(super) fn read_time_unit(fields: &Fields<'_>, has_time: bool) -> Result<Option<TimeUnit>, Fault> {

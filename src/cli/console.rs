@@ -40,7 +40,7 @@ pub(super) fn error(error: &anyhow::Error) {
 /// The text with the middle of overlong lines left out. Messages shorten what they repeat of the input; this is for what
 /// they do not know to be long.
 pub(super) fn cut(text: &str) -> String {
-    const LONGEST: usize = 400;
+    const LONGEST: usize = 300;
     const BEGIN: usize = 280;
     const END: usize = 100;
     let line = |line: &str| {
@@ -75,7 +75,7 @@ mod tests {
         let text = format!("p.toml:1:2: `{}` is unknown: did you mean `r`?\n  |\n", "x".repeat(1_000_000));
         let short = cut(&text);
         assert!(short.starts_with("p.toml:1:2: `xxx") && short.contains("x ... x"), "{short}");
-        assert!(short.ends_with("did you mean `r`?\n  |\n") && short.chars().count() < 400, "{short}");
+        assert!(short.ends_with("did you mean `r`?\n  |\n") && short.chars().count() < 300, "{short}");
         assert_eq!(cut("a sentence"), "a sentence");
     }
 

@@ -56,7 +56,7 @@ pub(super) fn ensure_population_fits(problem: &Problem) -> anyhow::Result<()> {
 pub(super) fn ensure_smoother_fits(problem: &Problem, log: &Log) -> anyhow::Result<()> {
     let (n, m) = (problem.model.states.len() as f64, problem.model.measurements.len() as f64);
     // A row keeps x, P and the update (innovation, S, K), each in an allocation of its own.
-    let bytes = 8.0 * (n + n * n + m + m * m + n * m) + 200.0;
+    let bytes = 8.0 * (n + n * n + m + m * m + n * m) + 440.0;
     let states = counted(problem.model.states.len(), "state");
     let what = format!("smoothing {} of {states} takes", counted(log.rows(), "row"));
     ensure_fits(&what, log.rows() as f64 * bytes, "leave out --smooth, or take a part of the log")

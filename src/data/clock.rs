@@ -80,6 +80,8 @@ impl Clock {
             _ => text.parse::<f64>().unwrap_or(f64::NAN) / 10f64.powi(self.unit.decimals()),
         };
         let is_long = text.bytes().filter(u8::is_ascii_digit).count() > KEPT;
+        // A whole number is a count, however long.
+        let may_be_noise = is_long && text.contains('.');
         match (&mut self.kind, exact) {
             (Kind::Since(first), exact) => {
                 return exact.or_else(|| Decimal::shortest(value)).map_or(value, |exact| difference(exact, *first));
@@ -91,12 +93,12 @@ impl Clock {
                     return difference(exact, first);
                 }
             }
-            (Kind::Numbers { long, .. }, _) => *long |= is_long,
+            (Kind::Numbers { long, .. }, _) => *long |= may_be_noise,
             (kind @ Kind::Unset, Some(exact)) if is_long && !exact.is_print_of(value) => {
                 *kind = Kind::Since(exact);
                 return 0.0;
             }
-            (kind, first) => *kind = Kind::Numbers { first, long: is_long },
+            (kind, first) => *kind = Kind::Numbers { first, long: may_be_noise },
         }
         value
     }

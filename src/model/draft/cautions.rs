@@ -56,19 +56,21 @@ pub(super) fn inputs(survey: &Survey, roles: &Roles) -> Option<String> {
         let names = columns.iter().take(6).map(|&i| format!("{:?}", survey.columns[i].name));
         names.collect::<Vec<_>>().join(", ")
     };
-    if roles.measures_inputs {
-        return Some(format!(
+    let measured = roles.measures_inputs.then(|| {
+        format!(
             "{} named like known inputs, and measured here because nothing else is: known inputs belong in `inputs`, and in \
              formulas of `f`",
             is_or_are(&names(&roles.candidates), roles.candidates.len())
-        ));
-    }
-    (!roles.inputs.is_empty()).then(|| {
+        )
+    });
+    let left_out = (!roles.inputs.is_empty()).then(|| {
         format!(
             "{} named like known inputs and left out: put them in `inputs` and in formulas of `f`, or in `measurements`",
             is_or_are(&names(&roles.inputs), roles.inputs.len())
         )
-    })
+    });
+    let both: Vec<String> = measured.into_iter().chain(left_out).collect();
+    (!both.is_empty()).then(|| both.join("; "))
 }
 
 fn is_or_are(names: &str, count: usize) -> String {

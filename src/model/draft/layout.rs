@@ -46,7 +46,12 @@ impl Layout {
         let usual = usual_separator(first.text);
         let header = |separator: char| {
             let count = usual_count(&lines[lines.len() / 2..], separator)?;
-            let at = lines.iter().take(PREAMBLE).position(|line| cells(line.text, separator).len() == count)?;
+            let is_header = |(i, line): (usize, &Line<'_>)| {
+                let cells = cells(line.text, separator);
+                // Behind other lines numbers are no header.
+                cells.len() == count && (i == 0 || !cells.iter().all(|cell| reads(&Format::default(), cell)))
+            };
+            let at = lines.iter().take(PREAMBLE).enumerate().position(is_header)?;
             (count > 1).then_some((count, at))
         };
         let as_usual = header(usual).map(|(count, at)| (usual, count, at));

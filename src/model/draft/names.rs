@@ -29,7 +29,7 @@ const TIMES: &[&str] = &[
 ];
 /// Words beside those that make them no other thing.
 const BESIDE: &[&str] =
-    &["header", "field", "log", "local", "gps", "gnss", "ros", "unix", "epoch", "sensor", "utc", "date"];
+    &["header", "field", "log", "local", "gps", "gnss", "ros", "rosbag", "unix", "epoch", "sensor", "utc", "date"];
 const TRAJECTORIES: [&str; 10] =
     ["id", "track", "track_id", "trackid", "trajectory", "run", "run_id", "target", "target_id", "realisation"];
 /// Row counters: never measured, but good enough as time where nothing better increases.

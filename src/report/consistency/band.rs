@@ -1,6 +1,6 @@
 //! Chi-square bands.
 
-use statrs::distribution::{ChiSquared, ContinuousCDF};
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
 
 /// A mean of chi-square variables per degree of freedom, beside the band that holds 95 % of them.
 ///
@@ -35,6 +35,16 @@ pub(super) fn exceedance(value: f64, degrees: f64) -> f64 {
     ChiSquared::new(degrees).map_or(f64::NAN, |chi2| chi2.sf(value))
 }
 
+/// Probability that F with `first` and `second` degrees of freedom exceeds `value`; NaN of what is no number.
+pub(super) fn f_exceedance(value: f64, [first, second]: [f64; 2]) -> f64 {
+    /// Beyond it nothing is left, and products of it would overflow.
+    const LARGEST: f64 = 1e100;
+    if value.is_nan() {
+        return f64::NAN;
+    }
+    FisherSnedecor::new(first, second).map_or(f64::NAN, |f| f.sf(value.clamp(0.0, LARGEST)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -55,6 +65,10 @@ mod tests {
         assert!(Band::of(0.0, 0.0).low.is_nan(), "no data, no band");
         assert!((two_sided(129.561_200, 100.0) - 0.05).abs() < 1e-6, "the upper end of the band of 100 degrees");
         assert!((two_sided(74.221_930, 100.0) - 0.05).abs() < 1e-6, "the lower one");
+        // F with 1 and 1 is the square of a Cauchy variable.
+        assert!((f_exceedance(4.0, [1.0, 1.0]) - (1.0 - 2.0 / std::f64::consts::PI * 2.0_f64.atan())).abs() < 1e-12);
+        assert!(f_exceedance(f64::NAN, [2.0, 9.0]).is_nan() && f_exceedance(f64::INFINITY, [2.0, 9.0]) < 1e-100);
+        assert!((f_exceedance(-1.0, [2.0, 9.0]) - 1.0).abs() < 1e-15, "all of it is above 0");
         assert!(two_sided(0.0, 0.0).is_nan() && two_sided(f64::INFINITY, 3.0) < 1e-300, "nothing, and all too much");
     }
 }

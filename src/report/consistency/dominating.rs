@@ -1,8 +1,8 @@
 //! Rows that carry the sum of NIS: what a single wrong value does to a filter, however the noise was tuned around it.
 
 use serde::Serialize;
-use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 
+use super::band::f_exceedance;
 use super::evidence::{RowNis, Sum};
 use super::whiteness::number;
 use super::{Place, Test, TestKind};
@@ -65,8 +65,7 @@ fn tail(row: &RowNis, others: Sum) -> f64 {
     if others.total <= 0.0 {
         return if row.nis > 0.0 { 0.0 } else { 1.0 };
     }
-    let f = row.nis / components / others.mean();
-    FisherSnedecor::new(components, number(others.count)).map_or(f64::NAN, |distribution| distribution.sf(f))
+    f_exceedance(row.nis / components / others.mean(), [components, number(others.count)])
 }
 
 /// The rows of largest NIS for their components, by the cube root that makes chi-square nearly normal (Wilson and

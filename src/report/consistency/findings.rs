@@ -51,12 +51,13 @@ fn nothing_wrong(c: &Consistency) -> Finding {
 }
 
 /// Whether those that dominate are what is wrong, and not the noise or the model: one or one row in a hundred, and most of
-/// the sum where the innovations are clearly correlated.
+/// the sum where the mean is wrong or the innovations are clearly correlated.
 fn are_few(c: &Consistency) -> bool {
     let rows = c.nis_distribution.as_ref().map_or(0, |d| d.rows);
     let share: f64 = c.dominating_rows.iter().map(|row| row.share).sum();
     let is_correlated = c.whiteness.iter().any(|w| w.correlated && is_certain(w));
-    c.dominating_rows.len() <= (rows / 100).max(1) && (share > 0.5 || !is_correlated)
+    let something_else = is_correlated || failed(c, TestKind::MeanNis).is_some();
+    c.dominating_rows.len() <= (rows / 100).max(1) && (share > 0.5 || !something_else)
 }
 
 /// Whether a correlation is no accident, or so strong that it matters by itself.

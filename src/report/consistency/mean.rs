@@ -1,8 +1,6 @@
 //! The mean NIS, of the whole log and of its first rows.
 
-use statrs::distribution::{ContinuousCDF, FisherSnedecor};
-
-use super::band::{Band, two_sided};
+use super::band::{Band, f_exceedance, two_sided};
 use super::evidence::{SETTLING, Sum};
 use super::whiteness::number;
 use super::{Test, TestKind};
@@ -24,8 +22,8 @@ pub(super) fn start_test(first: Sum, settled: Sum) -> Option<Test> {
 /// Whether the first rows differ from those that follow, by an F test at 5 %: if not, what is wrong with them is not the
 /// start. It decides which of two things is said, not whether anything is.
 pub(super) fn differ(first: Sum, next: Sum) -> bool {
-    let ratio = first.mean() / next.mean();
-    FisherSnedecor::new(number(first.count), number(next.count)).is_ok_and(|f| f.cdf(ratio).min(f.sf(ratio)) < 0.025)
+    let above = f_exceedance(first.mean() / next.mean(), [number(first.count), number(next.count)]);
+    above.min(1.0 - above) < 0.025
 }
 
 fn tested(kind: TestKind, name: &str, nis: Sum) -> Option<Test> {

@@ -1,8 +1,6 @@
 //! The distribution of the Ljung-Box statistic of white noise on logs of any length.
 
-use statrs::distribution::{ContinuousCDF, FisherSnedecor};
-
-use super::band::exceedance;
+use super::band::{exceedance, f_exceedance};
 use super::whiteness::number;
 
 /// Q = n (n + 2) sum over the lags k of c_k^2 / (N_k S^2), where c_k sums the N_k products of values k apart and S sums the
@@ -52,8 +50,7 @@ impl Portmanteau {
         }
         // Var F / (E F)^2 = 2 (lags + d - 2) / (lags (d - 4)).
         let d = 4.0 + 2.0 * (lags + 2.0) / excess;
-        let f = q / lags * d / (d - 2.0);
-        FisherSnedecor::new(lags, d).map_or(f64::NAN, |distribution| distribution.sf(f))
+        f_exceedance(q / lags * d / (d - 2.0), [lags, d])
     }
 }
 

@@ -50,8 +50,11 @@ fn rows_add_up_to_the_objectives() {
 /// hold it.
 fn coverage(problem: &Problem, logs: u64, baseline: &[f64], winner: &[f64]) -> Vec<(f64, usize)> {
     let one = |seed| {
-        let held_out = held_out(problem, simulate(problem, Some(seed)).unwrap());
-        difference(problem, &held_out, baseline, winner).by_objective
+        // Fresh realisations are drawn with the problem's own seed.
+        let mut problem = problem.clone();
+        problem.simulate.as_mut().expect("simulated").seed = seed;
+        let held_out = held_out(&problem, simulate(&problem, None).unwrap());
+        difference(&problem, &held_out, baseline, winner).by_objective
     };
     let all: Vec<Named<Difference>> = (0..logs).into_par_iter().map(one).collect();
     let of = |name: &str| {

@@ -205,6 +205,10 @@ proptest! {
                 continue;
             }
             let text = Writer { model: &problem.model, number: &exact }.text(found);
+            // min and max leave out what is no number, which formulas cannot name.
+            if text.contains("NaN") || text.contains("inf") {
+                continue;
+            }
             let again = REGRESSION.replace("level + b1*X1 + b2*X2", "level").replace("f = [\"level\"", &format!("f = [\"{text}\""));
             let again = Problem::parse(&again, "p.toml").unwrap_or_else(|error| panic!("{text}: {error}"));
             let value = evaluate(&again.model.f[0], &scope);

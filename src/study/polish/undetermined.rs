@@ -5,8 +5,11 @@ use super::{Place, Polish};
 use crate::evaluate::{Evaluation, Population, Precision};
 use crate::study::StudyError;
 
-/// Nearer to its start than this share of a unit a parameter stays: a start at the optimum costs the same too.
+/// Nearer to its start than this share of a unit, a parameter at its optimum may cost the same within the resolution: there
+/// only the same bits show that the cost does not depend on it.
 const NEAR: f64 = 0.05;
+/// Nearer still, they show nothing.
+const AT_START: f64 = 1e-6;
 
 /// Puts back to its start every parameter on which the cost does not depend: where it stands the same, within the
 /// resolution of f64, with that parameter at its start; then all such together, or one after the other as far as the cost
@@ -16,7 +19,8 @@ pub(super) fn put_back(winner: Polished<'_>, place: &mut Place<'_>, polish: &mut
     let Polished { candidate, verdict } = winner;
     let [from, to] = [&start, candidate].map(|point| place.coordinates.position(point));
     let units = place.coordinates.units(candidate);
-    let moved: Vec<usize> = (0..start.len()).filter(|d| (to[*d] - from[*d]).abs() > NEAR * units[*d]).collect();
+    let by = |d: &usize| (to[*d] - from[*d]).abs() / units[*d];
+    let moved: Vec<usize> = (0..start.len()).filter(|d| by(d) > AT_START).collect();
     if moved.is_empty() {
         return Ok(());
     }
@@ -25,7 +29,9 @@ pub(super) fn put_back(winner: Polished<'_>, place: &mut Place<'_>, polish: &mut
     moved.iter().for_each(|d| batch.push(&put(candidate, &start, &[*d])));
     let costs = crate::study::evaluate(place.evaluator, &batch)?;
     polish.evaluations += batch.len();
-    let flat: Vec<usize> = moved.iter().zip(1..).filter(|(_, i)| place.same(&costs, 0, *i)).map(|(d, _)| *d).collect();
+    let same_bits = |i: usize| costs.costs(0)[0].to_bits() == costs.costs(i)[0].to_bits();
+    let is_flat = |(d, i): &(&usize, usize)| place.same(&costs, 0, *i) && (by(d) > NEAR || same_bits(*i));
+    let flat: Vec<usize> = moved.iter().zip(1..).filter(is_flat).map(|(d, _)| *d).collect();
     let Some(chosen) = jointly((candidate, &start), &flat, place, polish)? else { return Ok(()) };
     let restored = put(candidate, &start, &chosen);
     let Some(exact) = place.bounds.ask(place.oracle, &restored) else { return Ok(()) };

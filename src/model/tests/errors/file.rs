@@ -10,7 +10,7 @@ fn keys() {
             "time =",
             "tiem =",
             "tiem",
-            "3:1: unknown key `tiem` in [data]: did you mean `time`? (known: `file`, `time`, `measurements`, `inputs`, `truth`, `trajectory`, `validate`, `time_unit`, `separator`, `decimal`, `thousands`, `header_line`, `skip_lines`)",
+            "3:1: unknown key `tiem` in [data]: did you mean `time`? (known: `file`, `time`, `measurements`, `inputs`, `truth`, `trajectory`, `validate`, `time_unit`, `separator`, `decimal`, `thousands`, `header_line` and 1 more)",
         ),
         (
             "[filter]",

@@ -21,9 +21,9 @@ use crate::evaluate::{Evaluation, Population};
 use gradient::ROUNDING;
 use quadratic::Memory;
 
-/// Predicted gain \[nats\] at which it stops: 1e-5 standard errors from the optimum, so that the digits that are printed are
-/// those of the optimum. It costs a step or two, since convergence is faster than linear.
-const GOAL: f64 = 1e-10;
+/// Predicted gain \[nats\] at which it stops: four orders below the 0.01 nats that anybody would notice, for what the model
+/// may not know yet.
+const GOAL: f64 = 1e-6;
 /// Predicted gain \[nats\] up to which it is called converged where rounding or a wall ends it.
 const GOOD: f64 = 1e-4;
 /// Times that a probe may move what has converged.

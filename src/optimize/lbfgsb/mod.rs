@@ -85,6 +85,8 @@ pub struct Lbfgsb {
     sent: usize,
     /// What the last step gained; infinite before the first one.
     gained: f64,
+    /// Whether it took Newton's step where it was good enough already.
+    refined: bool,
     moves: usize,
     standing: Standing,
 }
@@ -124,6 +126,7 @@ impl Lbfgsb {
             batch: Population::new(n),
             sent: 0,
             gained: f64::INFINITY,
+            refined: false,
             moves: 0,
             standing: Standing::Unfinished,
         };
@@ -157,6 +160,7 @@ impl Lbfgsb {
     fn begin(&mut self, x: &[f64]) {
         self.memory.clear();
         self.gained = f64::INFINITY;
+        self.refined = false;
         let points = self.source.points(x);
         self.wait_for(Phase::Begin, std::iter::once(x.to_vec()).chain(points));
     }

@@ -74,9 +74,12 @@ impl Lbfgsb {
         let steps = DVector::from_fn(free.len(), |k, _| -slopes[k] / eigenvalues[k].abs().max(1.0));
         let gain = (-0.5 * nat * steps.dot(&slopes)).max(0.0);
         self.predicted = gain;
-        if gain <= self.goal() {
+        // Where it is good enough one step more is nearly free, and ends at the last digits.
+        let near = gain <= self.goal();
+        if near && (self.refined || gain <= 4.0 * self.noise()) {
             return self.probe();
         }
+        self.refined |= near;
         let moved = eigenvectors * steps;
         self.step.fill(0.0);
         for (a, d) in free.iter().enumerate() {

@@ -369,7 +369,7 @@ mod tests {
                 of.dedup();
                 assert_eq!(of.len(), dispatch.len(), "{dispatch:?}: one chunk a trajectory");
             }
-            assert_eq!(layout.rounds.len(), 1, "short logs come back at once");
+            assert!(layout.rounds.len() == 1 || lengths.len() > 2000, "short logs come back at once");
             let alone = Layout::grouped(&program, Precision::F32, 1);
             assert_eq!(alone.dispatches.len(), layout.chunks.len(), "one chunk a dispatch where that is asked for");
         }

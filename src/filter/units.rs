@@ -93,9 +93,11 @@ impl Range {
     }
 }
 
+type Sizes = Vec<Option<Range>>;
+
 /// Variances that states and innovations have, as far as P0, Q, R and H tell; `None` where they are 0 throughout. Bounds of
 /// a search may be absurd, so other candidates count only up to `window` beyond the start values.
-fn sizes(tracer: &mut Tracer<'_>, window: f64) -> Result<(Vec<Option<Range>>, Vec<Option<Range>>), TraceError> {
+fn sizes(tracer: &mut Tracer<'_>, window: f64) -> Result<(Sizes, Sizes), TraceError> {
     let [lowest, baseline, highest] = corners(&tracer.problem.parameters);
     let (mut states, mut measurements) = sizes_of(tracer, &baseline)?;
     let start = (states.clone(), measurements.clone());

@@ -150,12 +150,15 @@ impl Observation {
         Ok(())
     }
 
-    /// x + K nu. Where the prior was far off, that is a difference of large numbers; what it leaves is taken in once more:
-    /// of the exact x, z - h(x) is R S^-1 nu.
+    /// x + K nu. Where the prior was so far off that a correction is larger than what it leaves, the rounding of that is
+    /// taken in once more: of the exact x, z - h(x) is R S^-1 nu.
     pub(super) fn correct(&self, z: &[f64], x: &mut DVector<f64>) {
         let Update { present, nu, k, .. } = &self.update;
         x.gemv(1.0, k, nu, 1.0);
         let mut left = DVector::from_iterator(present.len(), present.iter().map(|i| z[*i])) - &self.h.offset;
+        if left.iter().zip(nu).all(|(left, nu)| nu.abs() <= left.abs()) {
+            return;
+        }
         left.gemv(-1.0, &self.h.matrix, x, 1.0);
         left.gemv(-1.0, &self.r, &self.s_inverse_nu, 1.0);
         x.gemv(1.0, k, &left, 1.0);

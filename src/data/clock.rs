@@ -109,7 +109,7 @@ impl Clock {
     }
 
     /// Makes a number that was read as it is count from the first.
-    pub(super) fn from_first(&self, time: f64) -> f64 {
+    pub(super) fn counted_from_first(&self, time: f64) -> f64 {
         match (self.kind, Decimal::shortest(time)) {
             (Kind::Since(first), Some(exact)) => difference(exact, first),
             _ => time,

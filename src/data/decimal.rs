@@ -112,6 +112,7 @@ impl fmt::Display for Decimal {
 
 #[cfg(test)]
 mod tests {
+    #![expect(clippy::float_cmp, reason = "the same bits are meant")]
     use super::*;
 
     #[test]

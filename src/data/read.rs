@@ -172,7 +172,7 @@ impl Builder {
     /// Makes the times read so far count from the first.
     fn count_from_first(&mut self) {
         let times = self.trajectories.iter_mut().flat_map(|t| &mut t.time);
-        times.for_each(|time| *time = self.clock.from_first(*time));
+        times.for_each(|time| *time = self.clock.counted_from_first(*time));
     }
 
     fn finish(mut self) -> (Vec<Trajectory>, Times) {
@@ -181,7 +181,7 @@ impl Builder {
             && self.clock.count_from_first()
         {
             for trajectory in &mut self.trajectories {
-                let start = trajectory.time.first().map_or(0.0, |first| self.clock.from_first(*first));
+                let start = trajectory.time.first().map_or(0.0, |first| self.clock.counted_from_first(*first));
                 trajectory.time.iter_mut().enumerate().for_each(|(k, time)| *time = start + k as f64 * step);
             }
         }

@@ -231,6 +231,7 @@ const fn count(rows: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    #![expect(clippy::float_cmp, reason = "the same bits are meant")]
     use super::*;
 
     #[test]

@@ -112,6 +112,7 @@ impl Matrix {
     }
 
     /// What has to be positive: the pivots of L D L', and what they leave up to the largest number.
+    #[expect(clippy::needless_range_loop, reason = "rows i and columns k of one matrix")]
     fn conditions(&self, g: &mut Graph) -> Vec<Id> {
         let n = self.entries.n();
         let (least, largest) = (g.constant(f64::MIN_POSITIVE), g.constant(f64::MAX));

@@ -58,6 +58,7 @@ impl Graph {
 
 #[cfg(test)]
 mod tests {
+    #![expect(clippy::float_cmp, reason = "the same bits are meant")]
     use super::super::calculator::Calculator;
     use super::super::graph::Leaf;
     use super::*;

@@ -68,6 +68,7 @@ impl Model {
     }
 
     /// How many of so many logs are accused, and by which tests; of the filter that drew them, or of one tuned on each.
+    #[expect(clippy::print_stdout, reason = "the figures that are recorded")]
     fn accused(&self, logs: u64, tuned: bool) -> (usize, BTreeMap<TestKind, usize>) {
         let problem = self.problem();
         let one = |seed| {

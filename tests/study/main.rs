@@ -99,7 +99,7 @@ fn full_covariances_of_another_program_are_reached() {
     let case = open_data("two_cameras");
     let outcome = tune(&case, &case.0.tune, CpuOptions { precision: Precision::F64, threads: None });
     let winner = outcome.winner.expect("a winner");
-    expect_nll("two_cameras", winner.objectives[0], 1583.109_420_232);
+    expect_nll("two_cameras", winner.objectives[0], 1_583.109_420_232);
     let [q, r] = [&winner.candidate[..3], &winner.candidate[3..]];
     let product = |l: &[f64]| [l[0] * l[0], l[0] * l[1], l[1] * l[1] + l[2] * l[2]];
     let known = [[2.934_43, 2.405_52, 3.287_82], [10.106_47, -2.541_38, 3.277_36]];

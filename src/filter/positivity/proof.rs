@@ -214,7 +214,7 @@ fn product(g: &Graph, factors: &[Id], signs: &[Sign]) -> Sign {
     let runs = factors.chunk_by(|a, b| a == b);
     let run = |run: &[Id]| {
         let sign = sign(g, run[0], signs);
-        if run.len() % 2 == 0 { sign.max(NotNegative) } else { sign }
+        if run.len().is_multiple_of(2) { sign.max(NotNegative) } else { sign }
     };
     runs.map(run).min().unwrap_or(Positive)
 }

@@ -162,7 +162,7 @@ impl Stop {
             let how = match value {
                 v if v.is_nan() => "is empty",
                 v if v < last[trajectory] => "goes back",
-                v if v == last[trajectory] => "stands still",
+                v if v <= last[trajectory] => "stands still",
                 _ => "",
             };
             if !how.is_empty() {

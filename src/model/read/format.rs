@@ -11,7 +11,7 @@ pub(super) fn read_time_unit(fields: &Fields<'_>, has_time: bool) -> Result<Opti
     let name = node.string()?;
     let Some((unit, _)) = TimeUnit::ALL.iter().find(|(_, known)| *known == name) else {
         let names = TimeUnit::ALL.map(|(_, name)| name);
-        let meant = spelled(name).or_else(|| nearest(name, names.into_iter()));
+        let meant = spelled(name).or_else(|| nearest(name, names));
         let meant = meant.map_or_else(String::new, |name| format!("did you mean \"{name}\"? "));
         let list = names.map(|name| format!("\"{name}\"")).join(", ");
         return Err(node.bad_value(format!("\"{}\"", shorten(name)), format!("a unit of time ({meant}known: {list})")));

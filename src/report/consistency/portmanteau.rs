@@ -76,7 +76,7 @@ mod tests {
             let mut noise = |n: &usize| (0..*n).map(|_| StandardNormal.sample(&mut stream)).collect::<Vec<f64>>();
             let series: Vec<Vec<f64>> = lengths.iter().map(&mut noise).collect();
             let series: Vec<&[f64]> = series.iter().map(Vec::as_slice).collect();
-            let white = Whiteness::of(&names, &[series.clone()]).remove(0);
+            let white = Whiteness::of(&names, std::slice::from_ref(&series)).remove(0);
             (Portmanteau::of(&series, white.autocorrelation.len()), white.ljung_box, white.p_value)
         };
         let all: Vec<_> = (0..times).map(one).collect();

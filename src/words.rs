@@ -11,6 +11,7 @@ pub(crate) fn shorten(text: &str) -> String {
 }
 
 /// As many of these, each shortened, as a sentence holds.
+#[cfg(any(feature = "cli", test))]
 pub(crate) fn listed<S: AsRef<str>>(items: impl IntoIterator<Item = S>) -> String {
     const MOST: usize = 8;
     let mut items = items.into_iter();

@@ -47,8 +47,9 @@ fn nile_reaches_the_known_optimum() {
             assert_eq!(outcome.stop, StopReason::Generations);
             assert!((641.585_578_346..=641.585_578_347).contains(&nll), "{algorithm} {precision} seed {seed}: {nll}");
             for (found, known) in winner.candidate.iter().zip([15099.687, 1468.501]) {
+                // Differences of the cost place the optimum to some 3e-5 standard errors.
                 assert!(
-                    (found / known - 1.0).abs() < 1e-5,
+                    (found / known - 1.0).abs() < 1e-4,
                     "{algorithm} {precision} seed {seed}: {found}, not {known}"
                 );
             }

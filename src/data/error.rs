@@ -55,7 +55,7 @@ pub enum LogError {
     NoHeader { place: Place },
     /// The first line looks like the next (only [`crate::model::draft`]).
     #[error(
-        "{place}: expected a header, found {found:?} as in the line after it{reason} (add a first line that names the columns)"
+        "{place}: expected a header, found {found:?} as in the line after it: add a first line that names the columns{reason}"
     )]
     DataAsHeader { place: Place, found: Box<str>, reason: Box<str> },
     /// `header_line` is beyond the end.

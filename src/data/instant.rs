@@ -58,17 +58,13 @@ pub(crate) fn no_instant(text: &str) -> Option<String> {
 
 /// Whether a text has the shape of a date or a clock time, readable or not.
 pub(crate) fn looks_like_an_instant(text: &str) -> bool {
-    let mut fields = text.split(|c: char| !c.is_ascii_digit()).filter(|field| !field.is_empty());
+    let digits = |part: &str| (1..=4).contains(&part.len()) && part.bytes().all(|b| b.is_ascii_digit());
+    let date: Vec<&str> = text.split(['T', ' ']).next().unwrap_or_default().split(['-', '/', '.']).collect();
+    let mut fields = text.split(':');
+    let timed = fields.next().is_some_and(|hour| hour.ends_with(|c: char| c.is_ascii_digit()))
+        && fields.next().is_some_and(|minute| minute.starts_with(|c: char| c.is_ascii_digit()));
     let starts = text.starts_with(|c: char| c.is_ascii_digit());
-    let mut parts = text.split(['-', '/', '.']);
-    let dated = (0..3).all(|_| {
-        parts.next().is_some_and(|part| {
-            let digits = part.bytes().take_while(u8::is_ascii_digit).count();
-            (1..=4).contains(&digits)
-        })
-    }) && parts.next().is_none();
-    let timed = text.contains(':') && fields.clone().count() >= 2;
-    starts && (timed || (dated && fields.all(|field| field.len() <= 9))) && text.parse::<f64>().is_err()
+    starts && (timed || (date.len() == 3 && date.iter().all(|part| digits(part))))
 }
 
 /// `hh:mm:ss` with a fraction perhaps; `None` where it has another shape.

@@ -183,16 +183,22 @@ impl Column {
     /// Known placeholders, absurd numbers, and repeated extremes, that are far from the middle half of the values.
     fn placeholders(&self) -> Vec<Found> {
         let mut counts: HashMap<u64, (usize, u64)> = HashMap::new();
-        let is_known = |v: f64| PLACEHOLDERS.contains(&v) || v.abs() >= ABSURD;
+        let sizes: Vec<f64> = self.samples().map(|s| s.value.abs()).collect();
+        if sizes.is_empty() {
+            return Vec::new();
+        }
+        // Unless all values are of that size.
+        let absurd = ABSURD.max(1e6 * median(sizes));
+        let is_known = |v: f64| PLACEHOLDERS.contains(&v) || v.abs() >= absurd;
         for s in self.samples().filter(|s| is_known(s.value)) {
             // Both zeros are one.
             counts.entry((s.value + 0.0).to_bits()).or_insert((0, s.line)).0 += 1;
         }
-        let others: Vec<f64> = self.samples().map(|s| s.value).filter(|v| v.abs() < ABSURD).collect();
+        let others: Vec<f64> = self.samples().map(|s| s.value).filter(|v| v.abs() < absurd).collect();
         let mut found: Vec<Found> = counts
             .into_iter()
             .map(|(bits, (count, line))| (f64::from_bits(bits), count, line))
-            .filter(|&(value, count, _)| value.abs() >= ABSURD || is_far(value, count, &others))
+            .filter(|&(value, count, _)| value.abs() >= absurd || is_far(value, count, &others))
             .map(|(value, count, line)| (Kind::Placeholder(value), count, line))
             .collect();
         found.sort_by_key(|(_, _, line)| *line);
@@ -269,7 +275,7 @@ impl Column {
             while k < run.len() {
                 let leap = run[k].value - run[k - 1].value;
                 let near = run[k].time - run[k - 1].time <= 3.0 * usual;
-                if near && leap.abs() > LEAP * scale.max(local_scale(run, k)) {
+                if near && leap.abs() > LEAP * scale && leap.abs() > LEAP * local_scale(run, k) {
                     let (before, after) = (&run[k.saturating_sub(AROUND)..k], &run[(k + 1).min(run.len())..]);
                     let after = &after[..after.len().min(AROUND)];
                     let stays = middle(after) - middle(before);
@@ -353,7 +359,10 @@ fn is_far(value: f64, count: usize, values: &[f64]) -> bool {
     others.sort_unstable_by(f64::total_cmp);
     let (low, high) = (others[others.len() / 4], others[others.len() * 3 / 4]);
     let (first, last) = (others[0], others[others.len() - 1]);
-    let range = (high - low).max(f64::EPSILON * low.abs().max(high.abs()));
+    // Of coarse values the range is at least one of their steps, of a single one its size.
+    let steps = others.windows(2).map(|w| w[1] - w[0]).filter(|step| *step > 0.0);
+    let step = steps.fold(f64::INFINITY, f64::min);
+    let range = (high - low).max(if step.is_finite() { step } else { first.abs().max(1.0) });
     let beyond = value < low - FAR * range || value > high + FAR * range;
     // A number beyond which others go on is no placeholder but part of a long tail.
     let alone = value < first || value > last;

@@ -205,8 +205,10 @@ fn noisy_step(trajectories: &[Trajectory]) -> Option<f64> {
         noise < 1e-2 * step
             && t.time.iter().enumerate().all(|(k, time)| (time - first - k as f64 * step).abs() <= 2.0 * noise)
     };
-    let differs = |t: &Trajectory| (0..t.len()).filter_map(|k| t.dt(k)).any(|dt| (dt - step).abs() > 1e-9 * step);
-    (trajectories.iter().any(differs) && trajectories.iter().all(is_on_grid)).then_some(step)
+    let mut steps = trajectories.iter().flat_map(|t| (0..t.len()).filter_map(|k| t.dt(k)));
+    let one = steps.next()?;
+    let is_regular = steps.all(|dt| (dt - one).abs() <= 1e-9 * one);
+    (!is_regular && trajectories.iter().all(is_on_grid)).then_some(step)
 }
 
 fn fill(cells: &mut Vec<f64>, rows: &Rows<'_>, columns: &[usize], remedy: &'static str) -> Result<(), LogError> {

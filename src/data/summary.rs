@@ -114,19 +114,18 @@ impl fmt::Display for Summary {
         let plural = |n: usize, one: &str, many: &str| format!("{n} {}", if n == 1 { one } else { many });
         let rows = plural(self.rows, "row", "rows");
         let trajectories = plural(self.trajectories, "trajectory", "trajectories");
-        let unit = self.unit.counted();
         write!(f, "{}: {rows} in {trajectories}, time ", self.source)?;
-        let [first, last] = self.span;
+        let ([first, last], unit) = (self.span, |count| self.unit.after(count));
         match &self.stamps {
-            Some([from, to]) => writeln!(f, "{from} to {to} ({} {unit})", Short(last - first))?,
-            None => writeln!(f, "{} to {} {unit}", Short(first), Short(last))?,
+            Some([from, to]) => writeln!(f, "{from} to {to} ({} {})", Short(last - first), unit(last - first))?,
+            None => writeln!(f, "{} to {} {}", Long(first, last - first), Long(last, last - first), unit(last))?,
         }
         match self.dt {
             None => writeln!(f, "  dt: none (single rows)")?,
-            Some(dt) if dt.regular => writeln!(f, "  dt: {} {unit}, regular", Short(dt.median))?,
+            Some(dt) if dt.regular => writeln!(f, "  dt: {} {}, regular", Short(dt.median), unit(dt.median))?,
             Some(dt) => {
                 let (min, median, max) = (Short(dt.min), Short(dt.median), Short(dt.max));
-                writeln!(f, "  dt: min {min}, median {median}, max {max} {unit}, irregular")?;
+                writeln!(f, "  dt: min {min}, median {median}, max {max} {}, irregular", unit(dt.max))?;
             }
         }
         let with_gaps: Vec<String> = self.columns.iter().filter(|c| c.missing > 0).map(ToString::to_string).collect();
@@ -151,7 +150,20 @@ struct Short(f64);
 
 impl fmt::Display for Short {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let rounded: f64 = format!("{:.5e}", self.0).parse().unwrap_or(self.0);
+        Long(self.0, f64::INFINITY).fmt(f)
+    }
+}
+
+/// A number to six significant digits, or to as many more as tell it from one this far away to three.
+struct Long(f64, f64);
+
+impl fmt::Display for Long {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(value, apart) = *self;
+        let places = (value.abs() / apart).log10();
+        // A cast saturates; a double has no more than 17 digits.
+        let decimals = if places.is_finite() { (places.ceil() as usize + 3).clamp(5, 16) } else { 5 };
+        let rounded: f64 = format!("{value:.decimals$e}").parse().unwrap_or(value);
         if (1e-300..1e-4).contains(&rounded.abs()) { write!(f, "{rounded:e}") } else { write!(f, "{rounded}") }
     }
 }

@@ -53,6 +53,19 @@ impl TimeUnit {
         if self.decimals() > 0 { "s" } else { self.name() }
     }
 
+    /// [`Self::counted`] after a number: `days` unless there is one.
+    #[must_use]
+    pub fn after(self, count: f64) -> &'static str {
+        // As it is printed, to six digits.
+        let is_one = (count - 1.0).abs() < 5e-6;
+        match self {
+            Self::Day if !is_one => "days",
+            Self::Month if !is_one => "months",
+            Self::Year if !is_one => "years",
+            _ => self.counted(),
+        }
+    }
+
     /// How many decimal places its numbers are shifted to become seconds.
     #[must_use]
     pub const fn decimals(self) -> i32 {

@@ -24,12 +24,12 @@ pub(super) fn guess_unit(
 
 fn of_numbers(name: &str, units_row: Option<&str>, first: f64) -> Option<(TimeUnit, String)> {
     let row = units_row.and_then(|unit| unit_of_time(&unit.to_lowercase()));
-    let named = row.map(|unit| (unit, "the row of units".to_owned()));
-    let named = named.or_else(|| unit_of_time_column(name).map(|unit| (unit, format!("its name {name:?}"))));
+    let named = row.map(|unit| (unit, "as the row of units says".to_owned()));
+    let named = named.or_else(|| unit_of_time_column(name).map(|unit| (unit, "as its name says".to_owned())));
     let sized = TimeUnit::of_epoch(first).filter(|unit| unit.decimals() > 0);
     match (named, sized) {
         // Seconds of this size would be of another age.
-        (Some((TimeUnit::Second, _)) | None, Some(unit)) => Some((unit, format!("the size of {first}"))),
+        (Some((TimeUnit::Second, _)) | None, Some(unit)) => Some((unit, format!("as the size of {first} suggests"))),
         (Some((TimeUnit::Second, _)), _) => None,
         (named, _) => named,
     }
@@ -38,17 +38,15 @@ fn of_numbers(name: &str, units_row: Option<&str>, first: f64) -> Option<(TimeUn
 /// Dates without a time of day count days, or months and years where they are so far apart and fit the calendar.
 fn of_dates(dates: bool, data: &DataSpec, text: &[u8]) -> Option<(TimeUnit, String)> {
     let read = |unit| Log::read(&DataSpec { time_unit: Some(unit), ..data.clone() }, text, "").ok().filter(|_| dates);
-    let step = |log: &Log| {
-        let steps = log.trajectories.iter().flat_map(|t| (0..t.len()).filter_map(|k| t.dt(k)));
-        steps.fold(None, |least: Option<f64>, dt| Some(least.map_or(dt, |least| least.min(dt))))
-    };
-    let days = step(&read(TimeUnit::Day)?)?;
-    let unit = match read(TimeUnit::Month).as_ref().and_then(step).filter(|_| days >= 28.0) {
-        Some(months) if months >= 12.0 && months % 12.0 == 0.0 => TimeUnit::Year,
+    let steps =
+        |log: Log| -> Vec<f64> { log.trajectories.iter().flat_map(|t| (0..t.len()).filter_map(|k| t.dt(k))).collect() };
+    let are_long = steps(read(TimeUnit::Day)?).iter().all(|days| *days >= 28.0);
+    let unit = match read(TimeUnit::Month).map(steps).filter(|months| are_long && !months.is_empty()) {
+        Some(months) if months.iter().all(|months| months % 12.0 == 0.0) => TimeUnit::Year,
         Some(_) => TimeUnit::Month,
         None => TimeUnit::Day,
     };
-    Some((unit, "its dates".to_owned()))
+    Some((unit, "as its dates suggest".to_owned()))
 }
 
 /// A time that cannot be read is an error where no other column is a time.
@@ -77,12 +75,12 @@ pub(super) fn say(survey: &Survey, roles: &Roles, unit: Option<&(TimeUnit, Strin
     }
     let name = &survey.columns[roles.time?].name;
     match unit {
-        Some((unit, why)) if unit.decimals() > 0 => Some(format!(
-            "column {name:?} is read in {}, by {why} (time_unit = \"{0}\"): dt is in seconds",
-            unit.name()
-        )),
+        Some((unit, why)) if unit.decimals() > 0 => {
+            Some(format!("column {name:?} is read in {}, {why} (time_unit = \"{0}\"): dt is in seconds", unit.name()))
+        }
         Some((unit, why)) => Some(format!(
-            "dt counts in units of one {0}, by {why} of column {name:?} (time_unit = \"{0}\")",
+            "column {name:?} counts {}, {why} (time_unit = \"{}\"): dt and all rates are per {1}",
+            unit.after(2.0),
             unit.name()
         )),
         None if roles.time_by_content => Some(format!(

@@ -29,7 +29,7 @@ const TIMES: &[&str] = &[
 ];
 /// Words beside those that make them no other thing.
 const BESIDE: &[&str] =
-    &["header", "field", "log", "local", "gps", "gnss", "ros", "rosbag", "unix", "epoch", "sensor", "utc", "date"];
+    &["header", "field", "log", "local", "gps", "gnss", "ros", "unix", "epoch", "sensor", "utc", "date"];
 const TRAJECTORIES: [&str; 10] =
     ["id", "track", "track_id", "trackid", "trajectory", "run", "run_id", "target", "target_id", "realisation"];
 /// Row counters: never measured, but good enough as time where nothing better increases.
@@ -59,12 +59,20 @@ pub(super) fn names_a_trajectory(name: &str) -> bool {
 pub(super) fn names_a_time(name: &str) -> bool {
     let words: Vec<String> =
         words(name).into_iter().filter(|word| unit_of_time(word).is_none() || is_time(word)).collect();
+    if words.iter().any(|word| is_stamp(word)) {
+        return true;
+    }
     let rest = words.iter().filter(|word| !is_time(word));
     words.iter().any(|word| is_time(word)) && rest.clone().all(|word| BESIDE.contains(&word.as_str()))
 }
 
 fn is_time(word: &str) -> bool {
-    TIMES.contains(&word) || word.ends_with("timestamp") || word.ends_with("datetime")
+    TIMES.contains(&word) || is_stamp(word)
+}
+
+/// A word that no other makes another thing.
+fn is_stamp(word: &str) -> bool {
+    word.ends_with("timestamp") || word.ends_with("datetime")
 }
 
 pub(super) fn names_a_counter(name: &str) -> bool {
@@ -110,8 +118,10 @@ pub(super) fn unit_of_time_column(name: &str) -> Option<TimeUnit> {
     bracketed.or_else(|| {
         let words = words(name);
         let (last, before) = words.split_last()?;
-        let spelled =
-            matches!(last.as_str(), "year" | "years" | "month" | "months" | "day" | "days" | "hours" | "minutes");
+        let spelled = matches!(
+            last.as_str(),
+            "year" | "years" | "month" | "months" | "day" | "days" | "hour" | "hours" | "minute" | "minutes"
+        );
         unit_of_time(last).filter(|_| spelled || !before.is_empty())
     })
 }

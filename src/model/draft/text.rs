@@ -147,7 +147,8 @@ impl Page<'_> {
         let column = |i: usize| &self.survey.columns[i];
         let is_truth = |i: &usize| self.roles.truth.iter().any(|(_, truth)| truth == i);
         let of = |columns: &[usize]| some(columns.iter().map(|&i| format!("{:?}", column(i).name)));
-        let unused = (0..self.survey.columns.len()).filter(|&i| !self.uses(&column(i).name));
+        let no_time = self.roles.false_time.as_ref().map(|stop| stop.column);
+        let unused = (0..self.survey.columns.len()).filter(|&i| !self.uses(&column(i).name) && Some(i) != no_time);
         let (truth, unused): (Vec<usize>, Vec<usize>) = unused.partition(is_truth);
         let (numbers, useless): (Vec<usize>, Vec<usize>) = unused.into_iter().partition(|&i| column(i).varies());
         if !numbers.is_empty() {

@@ -41,7 +41,7 @@ pub(super) fn error(error: &anyhow::Error) {
 /// they do not know to be long.
 pub(super) fn cut(text: &str) -> String {
     const LONGEST: usize = 300;
-    const BEGIN: usize = 280;
+    const BEGIN: usize = 185;
     const END: usize = 100;
     let line = |line: &str| {
         let characters: Vec<char> = line.chars().collect();

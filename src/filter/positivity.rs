@@ -12,7 +12,7 @@ use super::formula::{self, Scope};
 use super::symmetric::Symmetric;
 use super::tracer::narrow;
 use crate::model::{First, Problem, ROUNDING, is_product, must_be_definite};
-use crate::tape::lanes::{Register, run};
+use crate::tape::lanes::{Register, run_apart};
 use crate::tape::{Calculator, Graph, Id, Leaf, Output, Tape};
 use proof::Premise;
 use std::collections::BTreeSet;
@@ -86,7 +86,7 @@ impl Positivity {
                 for (lane, (_, candidate)) in block.iter().enumerate() {
                     candidate.iter().zip(&mut registers).for_each(|(v, r)| r.lanes_mut()[lane] = *v);
                 }
-                run(&check.tape.operations, &mut registers, scalars);
+                run_apart(&check.tape.operations, &mut registers, scalars);
                 let mut least = [0.0; LANES];
                 least.copy_from_slice(registers[self.dimension].lanes());
                 refused.iter_mut().enumerate().for_each(|(lane, refused)| *refused |= !passed(lane, &least));

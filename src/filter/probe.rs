@@ -12,7 +12,7 @@ use super::kalman::Recursion;
 use super::program::{Program, Role};
 use super::trace::trace_rows;
 use crate::model::{Parameters, Problem, Search};
-use crate::tape::lanes::{Register, run};
+use crate::tape::lanes::{Register, run_apart};
 use crate::tape::{Graph, Id};
 
 /// Candidates side by side.
@@ -180,7 +180,7 @@ fn run_lanes(program: &Program, candidates: &[Vec<f64>], mut visit: impl FnMut(u
         for (lane, candidate) in (0..LANES).map(|lane| (lane, &candidates[lane.min(candidates.len() - 1)])) {
             candidate.iter().zip(&mut prologue).for_each(|(v, r)| r.lanes_mut()[lane] = *v);
         }
-        run(&program.prologue.operations, &mut prologue, &span.scalars);
+        run_apart(&program.prologue.operations, &mut prologue, &span.scalars);
         let mut registers = vec![splat(0.0); program.step.registers];
         registers[..states].copy_from_slice(&prologue[first..first + states]);
         registers[sums.end..program.carried.len()].fill(splat(1.0));
@@ -191,7 +191,7 @@ fn run_lanes(program: &Program, candidates: &[Vec<f64>], mut visit: impl FnMut(u
         for row in span.rows.clone() {
             let record = &program.record[row * program.columns..(row + 1) * program.columns];
             scalars[..program.columns].copy_from_slice(record);
-            run(&program.step.operations, &mut registers, &scalars);
+            run_apart(&program.step.operations, &mut registers, &scalars);
             visit(row, &registers[sums.clone()]);
             registers[sums.clone()].fill(splat(0.0));
         }

@@ -51,15 +51,29 @@ impl MeasuredStart {
         let values: Vec<f64> = self.0.evaluate(leaf).collect();
         let h = DMatrix::from_row_slice(m, n, &values[..m * n]);
         let residual = DVector::from_iterator(m, z.iter().zip(&values[m * n..]).map(|(z, offset)| z - offset));
-        // The singular values of a measurement matrix are far from the rounding error that this bound stands for.
-        let rounding = 1e-12 * h.norm();
-        let inverse = h.pseudo_inverse(rounding).unwrap_or_else(|_| DMatrix::zeros(n, m));
-        (inverse * residual).as_slice().to_vec()
+        least_norm(h, residual).as_slice().to_vec()
     }
+}
+
+/// pinv(H) y. Where no row of H depends on others, y = H x holds exactly, whatever the unit of a row: each is divided by its
+/// own norm, so that sensors of very different units are all seen.
+fn least_norm(mut h: DMatrix<f64>, mut y: DVector<f64>) -> DVector<f64> {
+    /// Singular values of a measurement matrix are far from the rounding error that this share of its norm stands for.
+    const ROUNDING: f64 = 1e-12;
+    let mut unit = h.clone();
+    unit.row_iter_mut().filter(|row| row.norm() > 0.0).for_each(|mut row| row.unscale_mut(row.norm()));
+    if unit.rank(ROUNDING * unit.norm()) == h.nrows() {
+        y.iter_mut().zip(h.row_iter()).for_each(|(y, row)| *y /= row.norm());
+        h = unit;
+    }
+    let rounding = ROUNDING * h.norm();
+    let (n, m) = (h.ncols(), h.nrows());
+    h.pseudo_inverse(rounding).unwrap_or_else(|_| DMatrix::zeros(n, m)) * y
 }
 
 #[cfg(test)]
 mod tests {
+    use super::*;
     use crate::data::{Log, Table, Trajectory};
     use crate::evaluate::{CpuEvaluator, CpuOptions, Evaluator, Population};
     use crate::model::Problem;
@@ -93,6 +107,16 @@ mod tests {
              r = {{ min = 0.1, max = 9, start = 1 }}\n"
         );
         Problem::parse(&text, "start.toml").unwrap()
+    }
+
+    #[test]
+    fn a_start_sees_sensors_of_very_different_units() {
+        let h = DMatrix::from_row_slice(2, 3, &[1e3, 0.0, 0.0, 0.0, 2e-13, 0.0]);
+        let x = least_norm(h, DVector::from_column_slice(&[5e3, 6e-13]));
+        assert!((x - DVector::from_column_slice(&[5.0, 3.0, 0.0])).norm() < 1e-14);
+        // Two sensors of one state: least squares of what they say, in their units, as pinv(H) is defined.
+        let x = least_norm(DMatrix::from_row_slice(2, 1, &[1.0, 2.0]), DVector::from_column_slice(&[1.0, 4.0]));
+        assert!((x[0] - 1.8).abs() < 1e-15, "{x}");
     }
 
     fn assert_equal(problem: &Problem, log: &Log) {

@@ -3,7 +3,7 @@
 use super::carry::Entry;
 use super::nominal::Nominal;
 use super::program::{Program, Role, Span};
-use crate::tape::lanes::{Register, run, run_one};
+use crate::tape::lanes::{Register, run_apart, run_one};
 
 /// A register of one candidate.
 type One = Register<f64, 1, 1>;
@@ -23,7 +23,7 @@ impl Program {
             for row in span.rows.clone() {
                 states.extend(self.predicted(&registers));
                 scalars[..self.columns].copy_from_slice(&self.record[row * self.columns..(row + 1) * self.columns]);
-                run(&self.step.operations, &mut registers, &scalars);
+                run_apart(&self.step.operations, &mut registers, &scalars);
             }
         }
         Nominal::new(candidate.to_vec(), states, n)

@@ -93,10 +93,9 @@ pub(super) fn solve_transposed(r: &DMatrix<f64>, b: &DVector<f64>, y: &mut DVect
 /// The least-norm solution of the least-squares problem H x = y, as pinv(H) y, for an H of any rank: H = C Q with rows of Q
 /// orthonormal (Gram and Schmidt on the rows of H, twice each), C = B T likewise by its columns, x = Q' T^-1 B' y.
 pub(super) fn least_norm(h: &DMatrix<f64>, y: &DVector<f64>) -> DVector<f64> {
-    /// What is left of a row beside the whole matrix, and still a direction of its own.
+    /// What is left of a row beside all of it, and still a direction of its own, whatever the unit of the row.
     const RANK: f64 = 1e-12;
-    let least = RANK * h.norm();
-    let q = orthonormal(h.row_iter().map(|row| row.transpose()).collect(), least);
+    let q = orthonormal(h.row_iter().map(|row| row.transpose()).collect(), RANK);
     let c = DMatrix::from_fn(h.nrows(), q.len(), |i, k| h.row(i).transpose().dot(&q[k]));
     let b = orthonormal(c.column_iter().map(|column| column.into_owned()).collect(), 0.0);
     let t = DMatrix::from_fn(b.len(), q.len(), |i, k| if i <= k { b[i].dot(&c.column(k)) } else { 0.0 });
@@ -108,15 +107,16 @@ pub(super) fn least_norm(h: &DMatrix<f64>, y: &DVector<f64>) -> DVector<f64> {
     q.iter().zip(&weights).fold(DVector::zeros(h.ncols()), |x, (q, weight)| x + q * *weight)
 }
 
-/// An orthonormal basis of some vectors; what is left of one at or below `least` adds none.
+/// An orthonormal basis of some vectors; one of which no more than the share `least` is left adds none.
 fn orthonormal(vectors: Vec<DVector<f64>>, least: f64) -> Vec<DVector<f64>> {
     let mut basis: Vec<DVector<f64>> = Vec::new();
     for mut v in vectors {
+        let whole = v.norm();
         for _ in 0..2 {
             basis.iter().for_each(|q| v -= q * q.dot(&v));
         }
         let norm = v.norm();
-        if norm > least {
+        if norm > least * whole {
             basis.push(v / norm);
         }
     }

@@ -154,11 +154,24 @@ pub fn run<T: Lane, const C: usize, const B: usize>(
     }
 }
 
+/// [`run`] outside the time loop: not inlined, so each shape of register is compiled once and not once an instruction set.
+///
+/// # Panics
+/// As [`run`].
+#[inline(never)]
+pub fn run_apart<T: Lane, const C: usize, const B: usize>(
+    tape: &[Operation],
+    registers: &mut [Register<T, C, B>],
+    scalars: &[T],
+) {
+    run(tape, registers, scalars);
+}
+
 /// Runs `tape` on one candidate in f64.
 pub fn run_one(tape: &Tape, registers: &mut Vec<f64>, scalars: &[f64]) {
     let mut wide: Vec<Register<f64, 1, 1>> = registers.iter().map(|v| Register::splat(*v)).collect();
     wide.resize(tape.registers.max(wide.len()), Register::splat(0.0));
-    run(&tape.operations, &mut wide, scalars);
+    run_apart(&tape.operations, &mut wide, scalars);
     *registers = wide.into_iter().map(|r| r.0[0][0]).collect();
 }
 

@@ -3,7 +3,7 @@
 use super::layout::{Layout, Round};
 use crate::evaluate::Precision;
 use crate::filter::{Program, Span};
-use crate::tape::lanes::{Lane, Register, run, run_one};
+use crate::tape::lanes::{Lane, Register, run_apart, run_one};
 use bytemuck::Pod;
 use rayon::prelude::*;
 
@@ -68,7 +68,7 @@ fn fill<T: Lane>(program: &Program, span: &Span, candidates: &[f64], wanted: &[u
         for (lane, candidate) in candidates.chunks_exact(d).enumerate() {
             candidate.iter().enumerate().for_each(|(p, v)| registers[p].lanes_mut()[lane] = *v);
         }
-        run(&program.prologue.operations, &mut registers, &span.scalars);
+        run_apart(&program.prologue.operations, &mut registers, &span.scalars);
         for (row, register) in rows.iter_mut().zip(wanted) {
             let lanes = registers[*register].lanes();
             row[block * C * B..][..n].iter_mut().zip(lanes).for_each(|(to, from)| *to = T::from_f64(*from));

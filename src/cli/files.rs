@@ -33,8 +33,8 @@ impl Destination {
         }
     }
 
-    /// Decides about a file that is there already, before the work starts: unless `force` lets it be replaced, one of
-    /// the same columns, `header`, is an earlier table and will be kept under a number, and any other is refused.
+    /// Decides about a file that is there already, before the work starts: unless `force` lets it be replaced, a table (by
+    /// its name, or with the columns of `header`) will be kept under a number, and any other file is refused.
     pub(super) fn respect(&mut self, header: &[u8], force: bool) -> anyhow::Result<()> {
         let Self::File { path, keeps } = self else { return Ok(()) };
         if force || !path.exists() || is_stream(path) {
@@ -45,7 +45,8 @@ impl Destination {
         let file = File::open(&*path).with_context(|| format!("cannot read {}", path.display()))?;
         BufReader::new(file.take(limit)).read_until(b'\n', &mut first)?;
         anyhow::ensure!(
-            first.trim_ascii() == header.trim_ascii(),
+            path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"))
+                || first.trim_ascii() == header.trim_ascii(),
             "{} exists and is no earlier table of these columns (choose another name, or give --force to replace it)",
             path.display()
         );
@@ -274,7 +275,7 @@ mod tests {
     }
 
     #[test]
-    fn an_earlier_table_is_kept_and_any_other_file_is_refused() {
+    fn a_table_is_kept_and_any_other_file_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("run.csv");
         let write = |rows: &'static str, force| {
@@ -290,9 +291,26 @@ mod tests {
         assert_eq!(["run.csv.1", "run.csv.2", "run.csv"].map(read), ["t,z\n0,1\n", "t,z\n0,2\n", "t,z\n0,3\n"]);
         write("t,z\n0,4\n", true).unwrap();
         assert_eq!((read("run.csv").as_str(), fs::read_dir(folder.path()).unwrap().count()), ("t,z\n0,4\n", 3));
-        let refused = write("t,z,more\n0,1,2\n", false).unwrap_err().to_string();
-        assert!(refused.contains("run.csv exists and is no earlier table of these columns"), "{refused}");
-        assert_eq!(read("run.csv"), "t,z\n0,4\n");
+        write("t,z,more\n0,1,2\n", false).unwrap();
+        assert_eq!(
+            ["run.csv.3", "run.csv"].map(read),
+            ["t,z\n0,4\n", "t,z,more\n0,1,2\n"],
+            "columns of another problem"
+        );
+
+        let path = folder.path().join("notes");
+        let write = |rows: &[u8]| {
+            let mut destination = Destination::prepare(Some(&path)).unwrap();
+            destination.respect(b"t,z", false)?;
+            destination.write(Console::new(true), |out| Ok(out.write_all(rows)?))
+        };
+        write(b"t,z\n").unwrap();
+        write(b"t,z\n0,1\n").unwrap();
+        assert_eq!(["notes.1", "notes"].map(read), ["t,z\n", "t,z\n0,1\n"]);
+        fs::write(&path, "mine").unwrap();
+        let refused = write(b"t,z\n").unwrap_err().to_string();
+        assert!(refused.contains("notes exists and is no earlier table of these columns"), "{refused}");
+        assert_eq!(read("notes"), "mine");
     }
 
     #[test]

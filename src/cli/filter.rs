@@ -53,8 +53,8 @@ pub(super) struct Filter {
     #[arg(long, value_name = "DIR")]
     figures: Option<PathBuf>,
 
-    /// Replace the file of --out and the pictures of --figures if they exist (default: keep an earlier table of the same
-    /// columns under a number, and refuse anything else).
+    /// Replace the file of --out and the pictures of --figures if they exist (default: keep an earlier table under a
+    /// number, and refuse anything else).
     #[arg(long)]
     force: bool,
 

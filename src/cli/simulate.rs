@@ -24,8 +24,8 @@ pub(super) struct Simulate {
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 
-    /// Replace the file of --out if it exists (default: keep an earlier log of the same columns under a number, and
-    /// refuse any other file).
+    /// Replace the file of --out if it exists (default: keep an earlier table under a number, and refuse any
+    /// other file).
     #[arg(long)]
     force: bool,
 }

@@ -111,10 +111,10 @@ fn tables_and_pictures_are_treated_alike() {
     folder.write("sim.toml", LEVEL.replace("file = \"log.csv\"\n", "") + "[simulate]\nsteps = 20\n");
     for verb in [&["simulate", "sim.toml"][..], &["filter", "problem.toml"]] {
         let run = |more: &[&str]| folder.run(&[verb, &["--out", "t.csv"], more].concat());
-        folder.write("t.csv", "theirs\n");
-        let message = run(&[]).refusal();
-        assert!(message.starts_with("t.csv exists and is no earlier table of these columns ("), "{message}");
-        assert_eq!(folder.read("t.csv"), "theirs\n");
+        folder.write("mine.toml", "theirs\n");
+        let message = folder.run(&[verb, &["--out", "mine.toml"]].concat()).refusal();
+        assert!(message.starts_with("mine.toml exists and is no earlier table of these columns ("), "{message}");
+        assert_eq!(folder.read("mine.toml"), "theirs\n");
         run(&["--force"]).expect(0);
         let first = folder.read("t.csv");
         let second = run(&[]).expect(0);

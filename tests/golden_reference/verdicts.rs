@@ -84,6 +84,19 @@ fn noise_that_changes_is_named_with_its_time() {
     assert!(said.contains("to 624 and 0.") && said.contains("elsewhere"), "{said}");
 }
 
+/// One row in twenty with ten times the noise: sums of NIS are as uneven as where noise changes, but not its ranks.
+#[test]
+fn outliers_all_along_are_no_change_and_no_start() {
+    for seed in 0..20 {
+        let log = drawn(999, seed, |k, z| if k * 7919 % 20 == 3 { 6.0 * z } else { z });
+        let found = scaled(0.09, 2.5, &log, 999);
+        let over_time = found.nis_over_time.as_ref().expect("rows enough");
+        let said: Vec<Verdict> = found.findings.iter().map(|finding| finding.verdict).collect();
+        let course = [Verdict::ChangesWithTime, Verdict::WrongStart].iter().any(|verdict| said.contains(verdict));
+        assert_eq!(course, over_time.ranks_p_value <= 0.01, "seed {seed}: {over_time:?}\n{found}");
+    }
+}
+
 /// 2.9 in the first rows and too little after them.
 #[test]
 fn a_start_that_cancels_the_rest_is_named() {

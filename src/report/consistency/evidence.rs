@@ -2,7 +2,9 @@
 
 use super::band::Band;
 use super::whiteness::{Whiteness, normalised, number};
-use super::{Consistency, Nees, NisDistribution, NisOverTime, Uncertainty, Verdict, dominating, findings, mean};
+use super::{
+    Consistency, Nees, NisDistribution, NisOverTime, Uncertainty, Verdict, dominating, findings, mean, over_time,
+};
 use crate::data::Log;
 use crate::model::Problem;
 use crate::reference::Step;
@@ -129,7 +131,8 @@ impl<'a> Evidence<'a> {
         let (first, settled_sum) = (Sum::of(first), Sum::of(settled.iter().copied()));
         let start = mean::start_test(first, settled_sum);
         let next = Sum::of(settled.iter().copied().filter(|row| row.is_next()));
-        let start_is_wrong = start.as_ref().is_some_and(|test| !test.pass) && mean::differ(first, next);
+        let is_outside = start.as_ref().is_some_and(|test| !test.pass) && mean::differ(first, next);
+        let start_is_wrong = is_outside && !self.has_outliers_all_along(&settled);
         let judged = if start_is_wrong { settled } else { self.rows.iter().collect() };
         let all = Sum::of(&self.rows);
         let nis = Band::of(all.total, number(all.count));
@@ -170,6 +173,15 @@ impl<'a> Evidence<'a> {
             consistency.verdict = headline.verdict;
         }
         consistency
+    }
+
+    /// Whether the `settled` rows have heavy tails and the first ones lie among them by rank: then it is outliers that their
+    /// mean is off by, as that of other stretches is, and not P0.
+    fn has_outliers_all_along(&self, settled: &[&RowNis]) -> bool {
+        let first: Vec<&RowNis> = self.rows.iter().filter(|row| row.is_first()).collect();
+        let heavy = |found: NisDistribution| found.has_heavy_tails();
+        NisDistribution::of(settled, self.log.measurements.len()).is_some_and(heavy)
+            && over_time::by_ranks(&[&first, settled]) > over_time::ALIKE
     }
 
     /// The normalised innovations, of settled rows alone or of all.

@@ -1,7 +1,9 @@
 //! What the numbers of a filter run say, in words.
 
 use super::evidence::SETTLING;
-use super::{Consistency, DominatingRow, Finding, JOINT_LEVEL, Test, TestKind, Verdict, Whiteness};
+use super::{
+    Consistency, DominatingRow, Finding, JOINT_LEVEL, NisDistribution, NisOverTime, Test, TestKind, Verdict, Whiteness,
+};
 use crate::model::{Parameters, Search};
 use crate::report::{Bound, short, significant};
 
@@ -23,8 +25,8 @@ pub(super) fn of(c: &Consistency, source: &str, parameters: &Parameters, candida
     let (few, many) = if are_few(c) { (outliers, None) } else { (None, outliers) };
     let searched = parameters.searched().zip(candidate);
     let at_bounds = searched.filter_map(|((parameter, search), value)| at_bound(&parameter.name, search, *value));
-    let found =
-        few.into_iter().chain(mean(c)).chain(correlated(c)).chain(start(c)).chain(over_time(c)).chain(at_bounds);
+    let course = start(c).into_iter().chain(over_time(c)).filter(|found| !is_due_to_outliers(c, found.verdict));
+    let found = few.into_iter().chain(mean(c)).chain(correlated(c)).chain(course).chain(at_bounds);
     let found: Vec<Finding> = found.chain(many).chain(distributed(c)).collect();
     if found.is_empty() { vec![nothing_wrong(c)] } else { found }
 }
@@ -58,6 +60,13 @@ fn are_few(c: &Consistency) -> bool {
     let is_correlated = c.whiteness.iter().any(|w| w.correlated && is_certain(w));
     let something_else = is_correlated || failed(c, TestKind::MeanNis).is_some();
     c.dominating_rows.len() <= (rows / 100).max(1) && (share > 0.5 || !something_else)
+}
+
+/// Whether outliers all over the log, that the finding on its tails tells of, are why its parts differ.
+fn is_due_to_outliers(c: &Consistency, verdict: Verdict) -> bool {
+    let heavy = c.nis_distribution.as_ref().is_some_and(NisDistribution::has_heavy_tails);
+    let alike = c.nis_over_time.as_ref().is_some_and(NisOverTime::is_alike);
+    verdict == Verdict::ChangesWithTime && heavy && alike && failed(c, TestKind::MeanNis).is_none()
 }
 
 /// Whether a correlation is no accident, or so strong that it matters by itself.

@@ -2,7 +2,7 @@
 
 use super::Status;
 use crate::filter::{Program, Role};
-use crate::tape::lanes::{Lane, Register, run, run_apart};
+use crate::tape::lanes::{Lane, Register, run};
 use multiversion::multiversion;
 use std::sync::Arc;
 
@@ -49,7 +49,7 @@ fn run_block<T: Lane, const C: usize, const B: usize>(rounded: &Rounded<T>, cand
             let candidate = &candidates[lane.min(n - 1) * d..][..d];
             candidate.iter().enumerate().for_each(|(p, v)| prologue[p].lanes_mut()[lane] = *v);
         }
-        run_apart(&program.prologue.operations, &mut prologue, &span.scalars);
+        run(&program.prologue.operations, &mut prologue, &span.scalars);
         start(program, &prologue, &mut registers);
         let mut sums = vec![Register::<f64, C, B>::splat(0.0); width];
         run_rows(rounded, span.rows.clone(), &mut registers, &mut sums);

@@ -1,7 +1,7 @@
 //! The CPU evaluator: the tape over blocks of candidates, blocks over threads.
 
 use super::block::{Blocks, Rounded, Totals, instruction_set};
-use super::{Device, Evaluation, Evaluator, Population, Precision, Status};
+use super::{Device, Evaluation, Evaluator, Population, Precision, Status, single};
 use crate::data::Log;
 use crate::filter::{Form, Program, TraceError, trace, trace_as};
 use crate::model::Problem;
@@ -109,11 +109,15 @@ impl CpuEvaluator {
         precision: Precision,
         form: Option<Form>,
     ) -> Result<Program, TraceError> {
-        let nominal = match precision {
-            Precision::F64 => None,
-            Precision::F32 => Some(trace(problem, log, &[], None)?.nominal(&problem.parameters.baseline())),
-        };
-        trace_as(problem, log, objectives, nominal, form)
+        match (precision, form) {
+            (Precision::F64, form) => trace_as(problem, log, objectives, None, form),
+            (Precision::F32, None) => single::program(problem, log, objectives, None),
+            (Precision::F32, form) => {
+                let double = trace(problem, log, &[], None)?;
+                let nominal = double.nominal(&problem.parameters.baseline());
+                trace_as(problem, log, objectives, Some(nominal), form)
+            }
+        }
     }
 
     /// An evaluator that runs a traced program.
@@ -242,8 +246,7 @@ pub(super) fn beside(
     match precision {
         Precision::F64 => Ok(double.clone()),
         Precision::F32 => {
-            let nominal = double.nominal(&problem.parameters.baseline());
-            let program = trace(problem, log, &problem.tune.scorers(), Some(nominal))?;
+            let program = single::program(problem, log, &problem.tune.scorers(), Some(double))?;
             Ok(program.constrained(&problem.tune.constraints))
         }
     }

@@ -7,6 +7,7 @@ pub mod gpu;
 
 pub use cpu::{BuildError, CpuEvaluator, CpuOptions};
 pub mod mock;
+mod single;
 
 use crate::filter::Program;
 use crate::objective::Constraint;

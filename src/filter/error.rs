@@ -41,4 +41,25 @@ pub enum TraceError {
         /// The state or measurement it belongs to.
         name: String,
     },
+    /// f32 has lost it: P grows too far while nothing is measured.
+    #[error(
+        "after a stretch without measurements single precision finds {objective} = {single} where double precision finds \
+         {double}: use --precision f64"
+    )]
+    LostInSingle {
+        /// Name of the objective.
+        objective: String,
+        /// Its value in f32.
+        single: String,
+        /// Its value in f64.
+        double: String,
+    },
+}
+
+impl TraceError {
+    /// Whether double precision has what single has not.
+    #[must_use]
+    pub const fn needs_f64(&self) -> bool {
+        matches!(self, Self::NeedsF64 { .. } | Self::LostInSingle { .. })
+    }
 }

@@ -3,7 +3,7 @@
 use super::columns::{Columns, Rows};
 use super::error::TraceError;
 use super::formula::{self, Scope};
-use super::probe::{Probe, range};
+use super::probe::{Probe, Sight, range};
 use super::tracer::Tracer;
 use super::units::Units;
 use crate::model::{FilterKind, Parameters, Problem};
@@ -65,7 +65,8 @@ impl Carrying {
             Tracer { g, columns: &mut columns, rows, problem, nominal: None, units: &units, anchored: false };
         let diffuseness = diffuseness(&mut tracer)?;
         let limit = if single { Form::DIFFUSE } else { Form::DIFFUSE_F64 };
-        let probe = Probe::run(problem, rows, !single && diffuseness > limit)?;
+        let sight = Sight::new(&mut tracer)?;
+        let probe = Probe::run(problem, rows, &sight, !single && diffuseness > limit)?;
         let lost = |loss: fn(&Probe) -> f64| probe.as_ref().is_some_and(|probe| loss(probe) > limit);
         let (start, anchored) = (lost(|probe| probe.start), lost(|probe| probe.after));
         let adapts_q = matches!(problem.filter, FilterKind::SageHusa { .. });

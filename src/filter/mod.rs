@@ -29,6 +29,7 @@ pub use error::TraceError;
 pub use form::Form;
 pub use nominal::Nominal;
 pub use positivity::Positivity;
+pub(crate) use probe::{probed, scattered};
 pub use program::{Carried, Program, Role, Span};
 pub(crate) use scoring::{Pools, Scoring, Sum, Traced};
 pub use trace::{trace, trace_as};

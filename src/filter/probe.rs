@@ -1,17 +1,18 @@
 //! What runs of a few candidates in f64 say before a search: how far an update takes P down, which is what subtraction loses,
 //! and the track of the baseline.
 //!
-//! P grows in the middle of a log where nothing is measured for long, as at a diffuse start. Only logs in which something
+//! P grows in the middle of a log where nothing is measured for long, or where H is next to nothing, as at a diffuse start. Only logs in which something
 //! comes back into sight after a gap, or starts that are diffuse, are looked at.
 
 use super::columns::Rows;
 use super::covariance::Covariance;
 use super::error::TraceError;
-use super::form::{Carrying, Form};
+use super::form::{Carrying, Form, over_rows};
 use super::kalman::Recursion;
 use super::program::{Program, Role};
 use super::trace::trace_rows;
-use crate::model::{Parameters, Problem, Search};
+use super::tracer::Tracer;
+use crate::model::{Parameters, Problem, Scale, Search};
 use crate::tape::lanes::{Register, run_apart};
 use crate::tape::{Graph, Id};
 
@@ -39,9 +40,14 @@ pub(super) struct Watch {
 }
 
 impl Probe {
-    /// Runs the probe where a start is `diffuse` or the log has a gap.
-    pub(super) fn run(problem: &Problem, rows: &Rows<'_>, diffuse: bool) -> Result<Option<Self>, TraceError> {
-        let watch = Watch::new(rows);
+    /// Runs the probe where a start is `diffuse` or the log has a gap; `h` is what each row's H sees, see [`Sight`].
+    pub(super) fn run(
+        problem: &Problem,
+        rows: &Rows<'_>,
+        h: &Sight,
+        diffuse: bool,
+    ) -> Result<Option<Self>, TraceError> {
+        let watch = Watch::new(rows, h);
         if !diffuse && watch.after.iter().all(|after| *after <= 0.0) {
             return Ok(None);
         }
@@ -49,7 +55,7 @@ impl Probe {
         let program = trace_rows(problem, rows, &[], None, carrying, Some(&watch))?;
         let n = problem.model.states.len();
         let mut probe = Self { start: 0.0, after: 0.0, track: vec![0.0; n * watch.after.len()] };
-        for (block, candidates) in candidates(&problem.parameters).chunks(LANES).enumerate() {
+        for (block, candidates) in probed(&problem.parameters).chunks(LANES).enumerate() {
             let mut sums = [[0.0_f64; LANES]; 2];
             run_lanes(&program, candidates, |row, seen| {
                 if block == 0 {
@@ -73,11 +79,41 @@ impl Probe {
     }
 }
 
+/// What the baseline's H sees of the states: the norm of each of its rows in each used row of the log, or of one row for all
+/// where H is constant.
+pub(super) struct Sight {
+    norms: Vec<f64>,
+    /// The largest of each component.
+    largest: Vec<f64>,
+}
+
+impl Sight {
+    /// Share of a component's largest norm below which it sees nothing: as good as a missing measurement.
+    const BLIND: f64 = 1e-3;
+
+    pub(super) fn new(tracer: &mut Tracer<'_>) -> Result<Self, TraceError> {
+        let (jacobian, _) = tracer.measurement_map(&tracer.problem.parameters.baseline())?;
+        let (m, n) = (jacobian.len(), tracer.problem.model.states.len());
+        let mut entries = Vec::new();
+        over_rows(tracer, &jacobian.concat(), |value| entries.push(value));
+        let norms: Vec<f64> = entries.chunks(n).map(|row| row.iter().map(|h| h * h).sum::<f64>().sqrt()).collect();
+        let mut largest = vec![0.0_f64; m];
+        norms.chunks(m).for_each(|row| largest.iter_mut().zip(row).for_each(|(most, norm)| *most = most.max(*norm)));
+        Ok(Self { norms, largest })
+    }
+
+    /// Whether component `i` sees something in a used row.
+    fn sees(&self, i: usize, row: usize) -> bool {
+        let norm = self.norms.get(row * self.largest.len() + i);
+        norm.is_none_or(|norm| *norm > Self::BLIND * self.largest[i])
+    }
+}
+
 impl Watch {
     /// Times a component's usual spacing after which it counts as coming back into sight.
     const LONG: f64 = 4.0;
 
-    fn new(rows: &Rows<'_>) -> Self {
+    fn new(rows: &Rows<'_>, h: &Sight) -> Self {
         let components = rows.log.measurements.len();
         let spans = rows.spans();
         let mut first = vec![usize::MAX; spans.len()];
@@ -85,7 +121,8 @@ impl Watch {
             let mut spacings: Vec<(f64, usize, usize)> = Vec::new();
             for (t, (trajectory, begin)) in rows.log.trajectories.iter().zip(&rows.first).enumerate() {
                 let mut last = *begin;
-                for k in (*begin..trajectory.len()).filter(|k| !trajectory.z.row(*k)[i].is_nan()) {
+                let seen = |k: &usize| !trajectory.z.row(*k)[i].is_nan() && h.sees(i, spans[t].start + k - begin);
+                for k in (*begin..trajectory.len()).filter(seen) {
                     if k > last {
                         spacings.push((trajectory.time[k] - trajectory.time[last], t, k - begin));
                     }
@@ -149,7 +186,7 @@ impl Watch {
 
 /// The baseline, every searched parameter at its lower and upper bound (the range of the first population where there is no
 /// bound), all corners of up to four parameters, and each of more at its other bound.
-fn candidates(parameters: &Parameters) -> Vec<Vec<f64>> {
+pub(crate) fn probed(parameters: &Parameters) -> Vec<Vec<f64>> {
     let bounds: Vec<[f64; 2]> = parameters.searched().map(|(_, search)| range(search)).collect();
     let d = bounds.len();
     let corner = |upper: &dyn Fn(usize) -> bool| (0..d).map(|i| bounds[i][usize::from(upper(i))]).collect();
@@ -161,6 +198,21 @@ fn candidates(parameters: &Parameters) -> Vec<Vec<f64>> {
         all.extend((0..d).map(|other| corner(&|i| i == other)));
     }
     all
+}
+
+/// So many candidates all over the ranges of the first population, on the scale of each parameter: multiples of irrational
+/// numbers fill them evenly (Weyl 1916, doi:10.1007/BF01475864).
+pub(crate) fn scattered(parameters: &Parameters, count: usize) -> Vec<Vec<f64>> {
+    let value = |number: usize, (i, search): (usize, &Search)| {
+        let ([low, high], irrational) = (search.init, (i as f64 + 2.0).sqrt() * std::f64::consts::PI);
+        let share = (number as f64 * irrational).fract();
+        match search.scale {
+            Scale::Log => low * (high / low).powf(share),
+            Scale::Linear => low + share * (high - low),
+        }
+    };
+    let candidate = |k| parameters.searched().map(|(_, search)| search).enumerate().map(|at| value(k, at)).collect();
+    (1..=count).map(candidate).collect()
 }
 
 /// The ends that a candidate's parameter may have.

@@ -52,6 +52,8 @@ pub struct Span {
 pub struct Program {
     /// The form of the covariance that is carried.
     pub form: Form,
+    /// Whether an update after a long gap takes P down so far that x is anchored to what is measured.
+    pub anchored: bool,
     /// Once a trajectory, in f64: searched parameters in registers 0.., results behind them: states, then invariants.
     pub prologue: Tape,
     /// Number of searched parameters.

@@ -197,6 +197,7 @@ impl Step {
         let spans = spans.into_iter().zip(scalars).map(|(rows, scalars)| Span { rows, scalars }).collect();
         Ok(Program {
             form: self.form,
+            anchored: tracer.anchored,
             prologue,
             parameters: tracer.problem.parameters.dimension(),
             step,

@@ -5,7 +5,6 @@ use crate::promise::{double, misplaced, single, unequal_status, worst};
 use crate::{adapter, adapter_with_f64, cases, cpu, gpu, options};
 use kfgpu::evaluate::gpu::{GpuError, GpuEvaluator};
 use kfgpu::evaluate::{BuildError, Evaluator, Precision};
-use kfgpu::filter::TraceError;
 use kfgpu::objective::Kind;
 use rayon::prelude::*;
 use std::sync::OnceLock;
@@ -90,7 +89,7 @@ fn what_single_precision_cannot_hold_is_refused() {
     let Some(adapter) = adapter() else { return };
     for (case, _) in with_costs().iter().filter(|(case, _)| case.single == Single::Refused) {
         let error = GpuEvaluator::new(&case.problem, &case.log, &options(&adapter, Precision::F32)).err();
-        let asks = matches!(error, Some(GpuError::Build(BuildError::Trace(TraceError::NeedsF64 { .. }))));
+        let asks = matches!(error, Some(GpuError::Build(BuildError::Trace(ref error))) if error.needs_f64());
         assert!(asks, "{}: {error:?}, not a request for f64", case.name);
     }
 }

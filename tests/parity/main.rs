@@ -16,7 +16,6 @@ mod promise;
 
 use case::{Case, Costs, Double, Single};
 use kfgpu::evaluate::{BuildError, CpuEvaluator, CpuOptions, Evaluation, Evaluator, Precision};
-use kfgpu::filter::TraceError;
 use kfgpu::objective::Kind;
 use promise::{double, misplaced, single, unequal_status, worst};
 use rayon::prelude::*;
@@ -95,7 +94,7 @@ fn what_single_precision_cannot_hold_is_refused() {
     for case in refused {
         let error = build(case, Precision::F32).err();
         assert!(
-            matches!(error, Some(BuildError::Trace(TraceError::NeedsF64 { .. }))),
+            matches!(&error, Some(BuildError::Trace(error)) if error.needs_f64()),
             "{}: {error:?}, not a request for f64",
             case.name
         );

@@ -6,7 +6,7 @@ use crate::cli::stderr;
 use crate::data::Log;
 use crate::evaluate::gpu::{AdapterError, GpuError, GpuEvaluator, GpuOptions, adapters};
 use crate::evaluate::{BuildError, Evaluator, Precision};
-use crate::filter::{Program, TraceError};
+use crate::filter::Program;
 use crate::model::Problem;
 
 /// The evaluator on a GPU of a problem, its log, and their program in f64; `None` where the CPU is to compute, which has then been said if it needs saying.
@@ -68,7 +68,7 @@ fn open((problem, log, double): (&Problem, &Log, &Program), compute: &Compute) -
 }
 
 const fn needs_f64(error: &GpuError) -> bool {
-    matches!(error, GpuError::Build(BuildError::Trace(TraceError::NeedsF64 { .. })))
+    matches!(error, GpuError::Build(BuildError::Trace(error)) if error.needs_f64())
 }
 
 /// The error without its advice, where the program follows it by itself.

@@ -15,7 +15,7 @@ pub use device::GpuFailure;
 pub use shader::assemble;
 
 use super::cpu::{CpuEvaluator, beside};
-use super::{BuildError, CpuOptions, Device, Evaluation, Evaluator, Population, Precision};
+use super::{BuildError, CpuOptions, Device, Evaluation, Evaluator, Population, Precision, single};
 use crate::data::Log;
 use crate::filter::{Program, trace};
 use crate::model::Problem;
@@ -164,14 +164,11 @@ impl GpuEvaluator {
         options: &GpuOptions,
     ) -> Result<Self, GpuError> {
         let gpu = Gpu::open(options.adapter.as_deref(), options.precision)?;
-        let nominal = match options.precision {
-            Precision::F32 => {
-                let double = trace(problem, log, &[], None).map_err(BuildError::from)?;
-                Some(double.nominal(&problem.parameters.baseline()))
-            }
-            Precision::F64 => None,
+        let program = match options.precision {
+            Precision::F32 => single::program(problem, log, scorers, None),
+            Precision::F64 => trace(problem, log, scorers, None),
         };
-        let program = trace(problem, log, scorers, nominal).map_err(BuildError::from)?.constrained(constraints);
+        let program = program.map_err(BuildError::from)?.constrained(constraints);
         Self::of_program(gpu, program, options, &problem.parameters.baseline())
     }
 

@@ -2,6 +2,7 @@
 
 use crate::case::{ALL, Case, INNOVATIONS, Single, Text};
 use crate::logs::{Gap, Interval, Shape, draw};
+use kfgpu::data::Table;
 
 const SHAPE: Shape = Shape::regular(&[150]).every(Interval::Irregular(0.008));
 
@@ -10,7 +11,7 @@ const SECONDS: [f64; 4] = [5.0, 60.0, 600.0, 3600.0];
 
 pub(crate) fn cases() -> Vec<Case> {
     let mut cases: Vec<Case> = SECONDS.map(tracker).into();
-    cases.extend([stretch("constant-velocity"), stretch("constant-acceleration"), two_sensors()]);
+    cases.extend([stretch("constant-velocity"), stretch("constant-acceleration"), two_sensors(), blind()]);
     cases
 }
 
@@ -23,7 +24,8 @@ fn tracker(seconds: f64) -> Case {
     let problem = text.problem();
     let mut log = draw(&problem, SHAPE, 11);
     log.trajectories[0].time[80..].iter_mut().for_each(|time| *time += seconds);
-    Case::of(format!("tracker, gap of {seconds} s"), problem, log, 65)
+    let case = Case::of(format!("tracker, gap of {seconds} s"), problem, log, 65);
+    if seconds > 1000.0 { case.single(Single::Refused) } else { case }
 }
 
 /// Many rows without a measurement.
@@ -39,7 +41,7 @@ fn stretch(kind: &str) -> Case {
     let away = Shape::regular(&[200, 60]).without(&[Gap::Away { component: None, rows: (40, 160) }]);
     let case = Case::new(format!("{kind}, 120 rows missing"), &text, away, 65);
     // Over 120 rows a third integral of noise leaves f32 no seven digits of every objective.
-    if n == 3 { case.single(Single::Measured) } else { case }
+    if n == 3 { case.single(Single::Refused) } else { case }
 }
 
 /// The position is lost while the speed is still measured.
@@ -49,4 +51,27 @@ fn two_sensors() -> Case {
     let text = Text { measurements: &["x", "v"], truth: &["x", "v", "w"], model, objectives: ALL, ..Text::BASIC };
     let away = Shape::regular(&[200]).without(&[Gap::Away { component: Some(0), rows: (40, 160) }]);
     Case::new("position lost, speed measured", &text, away, 65)
+}
+
+/// Measured all the time, but for 200 rows through an input of 0: what is measured there says nothing of the state.
+fn blind() -> Case {
+    let model = |h: &str| {
+        format!(
+            "state = [\"x\", \"v\", \"a\"]\nf = [\"x + v*dt + a*dt^2/2\", \"v + a*dt\", \"a\"]\nh = [\"{h}\"]\n\
+             Q = {{ a = \"q\" }}\nR = [\"r\"]\nx0 = [0, 0, 0]\nP0 = [10, 10, 10]"
+        )
+    };
+    let text = |inputs, model: &str| Text { inputs, model, objectives: INNOVATIONS, ..Text::BASIC }.problem();
+    let (lit, dark) = (model("x"), model("u*x"));
+    let mut log = draw(&text(&[], &lit), Shape::regular(&[400]), 65);
+    let (mut z, mut u) = (Table::new(1), Table::new(1));
+    let trajectory = &mut log.trajectories[0];
+    for k in 0..trajectory.len() {
+        let hidden = (40..240).contains(&k);
+        u.push(&[if hidden { 0.0 } else { 1.0 }]);
+        z.push(&[if hidden { [0.5, -0.3, -0.7, 0.4][k % 4] } else { trajectory.z.row(k)[0] }]);
+    }
+    (trajectory.z, trajectory.u) = (z, u);
+    log.inputs = vec!["u".to_owned()];
+    Case::of("measured through an input of 0".to_owned(), text(&["u"], &dark), log, 65)
 }

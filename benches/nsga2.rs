@@ -8,8 +8,8 @@ use kfgpu::evaluate::Evaluator;
 use kfgpu::evaluate::mock::{Mock, MultiObjective};
 use kfgpu::optimize::nsga2::{Nsga2, PUBLISHED};
 use kfgpu::optimize::pareto::{Scores, fronts};
-use kfgpu::optimize::random::{Purpose, Stream};
 use kfgpu::optimize::{Optimizer, Settings, Space};
+use kfgpu::random::{Purpose, Stream};
 use std::time::{Duration, Instant};
 
 /// Searched parameters; a filter has about as many.

@@ -4,7 +4,6 @@
 //! `cargo bench --bench study`
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use kfgpu::data;
 use kfgpu::evaluate::{CpuEvaluator, CpuOptions, Precision};
 use kfgpu::model::Problem;
 use kfgpu::reference;
@@ -21,7 +20,7 @@ fn tune(threads: Option<NonZero<usize>>) -> Outcome {
     let mut problem = Problem::parse(text, "rocket.toml").expect("the example parses");
     problem.tune.population = POPULATION;
     problem.tune.generations = GENERATIONS;
-    let log = data::simulate(&problem, None).expect("the example says how to draw its log");
+    let log = kfgpu::simulate::simulate(&problem, None).expect("the example says how to draw its log");
     let options = CpuOptions { precision: Precision::F64, threads };
     let mut evaluator = CpuEvaluator::new(&problem, &log, options).expect("the example traces");
     let oracle = |candidate: &[f64]| reference::costs(&problem, &log, candidate).ok();

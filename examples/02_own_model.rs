@@ -6,14 +6,13 @@
 
 #![expect(clippy::print_stdout, reason = "a story is read on the terminal")]
 
-use std::error::Error;
-use std::sync::atomic::AtomicBool;
-
-use kfgpu::data::simulate;
 use kfgpu::evaluate::{CpuEvaluator, CpuOptions};
 use kfgpu::model::Problem;
 use kfgpu::reference;
+use kfgpu::simulate::simulate;
 use kfgpu::study::{self, Judge, Study};
+use std::error::Error;
+use std::sync::atomic::AtomicBool;
 
 /// Room temperature T [K above outside], warmed at an unknown constant rate p [K/s], losing heat with time constant tau.
 const ROOM: &str = r#"

@@ -7,18 +7,17 @@
 
 #![expect(clippy::print_stdout, reason = "a story is read on the terminal")]
 
-use std::error::Error;
-use std::path::Path;
-use std::sync::atomic::AtomicBool;
-
 use kfgpu::data::Log;
 use kfgpu::evaluate::{CpuEvaluator, CpuOptions, Evaluation, Population};
 use kfgpu::model::{Problem, TuneSpec};
-use kfgpu::optimize::random::{Purpose, Stream};
 use kfgpu::optimize::{self, Optimizer, Settings, Space};
+use kfgpu::random::{Purpose, Stream};
 use kfgpu::reference;
 use kfgpu::study::{self, Coordinates, Judge, Study};
 use rand_distr::{Distribution, StandardNormal};
+use std::error::Error;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 /// A normal distribution with independent coordinates, moved to its own best quarter.
 struct CrossEntropy {

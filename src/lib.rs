@@ -13,7 +13,7 @@
 //! A problem says what is known and what is searched; here its log is drawn from the model itself.
 //!
 //! ```
-//! use kfgpu::data::simulate;
+//! use kfgpu::simulate::simulate;
 //! use kfgpu::evaluate::{CpuEvaluator, CpuOptions};
 //! use kfgpu::model::Problem;
 //! use kfgpu::reference;
@@ -70,7 +70,7 @@
 //!
 //! ```
 //! use kfgpu::data::{Log, Summary};
-//! use kfgpu::model::DataSpec;
+//! use kfgpu::data::DataSpec;
 //!
 //! let spec = DataSpec { time: Some("t".into()), measurements: vec!["z".into()], ..DataSpec::default() };
 //! let log = Log::read(&spec, "t,z\n0,1.5\n0.5,\n1,1.7\n".as_bytes(), "log.csv")?;
@@ -133,9 +133,13 @@ pub mod filter;
 pub mod model;
 pub mod objective;
 pub mod optimize;
+pub mod population;
+pub mod precision;
+pub mod random;
 pub mod reference;
 pub mod report;
 pub mod reproduce;
+pub mod simulate;
 pub mod study;
 pub mod tape;
 mod words;

@@ -26,7 +26,7 @@ pub(crate) fn bodies() -> impl Iterator<Item = (&'static str, Vec<u8>)> {
         let problem = problem(row.name);
         let mut second = Second(None);
         search(&problem, row.maximum_objectives.min(2), None, &mut [&mut second]);
-        let log = kfgpu::data::simulate(&problem, None).expect("a log");
+        let log = kfgpu::simulate::simulate(&problem, None).expect("a log");
         let snapshot = second.0.expect("two generations");
         let checkpoint = Checkpoint::new(Identity::of(&problem, &log), Source::default(), snapshot);
         let file = checkpoint.to_bytes().expect("a file");

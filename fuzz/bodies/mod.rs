@@ -6,9 +6,9 @@ mod checkpoint;
 
 pub(crate) use checkpoint::{bodies as checkpoint_bodies, checkpoint};
 
-use kfgpu::data::{self, Format, Log, Oddity, Summary, Table, TimeUnit, Trajectory};
+use kfgpu::data::{DataSpec, Format, Log, Oddity, Summary, Table, TimeUnit, Trajectory};
 use kfgpu::filter;
-use kfgpu::model::{self, DataSpec, Problem};
+use kfgpu::model::{self, Problem};
 use kfgpu::reference;
 
 /// Any bytes as a log: no panic, times in order, and what is written reads back the same.
@@ -91,7 +91,7 @@ pub(crate) fn problem(bytes: &[u8]) {
     if !small || problem.model.states.len() > 6 || problem.model.measurements.len() > 6 {
         return;
     }
-    if let Ok(log) = data::simulate(&problem, None) {
+    if let Ok(log) = kfgpu::simulate::simulate(&problem, None) {
         run(&problem, &log);
     }
 }

@@ -3,7 +3,7 @@
 use super::crossover::{self, Crossover};
 use super::run::{Prepared, measure, refuse_zeros};
 use super::{Adapter, BenchError, Options, Report, Target};
-use crate::evaluate::Precision;
+use crate::precision::Precision;
 
 /// What a comparison measures beside what [`Options`] say; their target and number format do not matter here.
 #[derive(Debug, Clone)]

@@ -11,7 +11,7 @@ use super::console::Console;
 use super::options::{self, PrecisionChoice};
 use super::{Ending, files, load};
 use crate::bench::{self, Adapter, Options, Subject, Suite, Target, Workload};
-use crate::evaluate::Precision;
+use crate::precision::Precision;
 
 /// Measure how many filter-steps a second this machine does (one step = one candidate over one row).
 ///

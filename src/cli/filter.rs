@@ -1,6 +1,6 @@
 //! `kfgpu filter`: one run of one filter.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
@@ -9,7 +9,7 @@ use super::console::Console;
 use super::files::{self, Destination};
 use super::folder::OutFolder;
 use super::load::{self, Loaded};
-use super::{Ending, memory, pictures};
+use super::{Ending, memory, paths, pictures};
 use crate::objective::Objective;
 use crate::reference::{self, Smoothed, Step};
 use crate::report::{Columns, Consistency, Covariance, Evidence, Named, RunTable, StateErrors, short};
@@ -94,6 +94,8 @@ impl Filter {
             (!self.json || self.out.is_some()).then(|| Destination::prepare(self.out.as_deref())).transpose()?;
         let loaded = load::load(Some(&self.problem), self.data.as_deref(), console)?;
         let (problem, log) = (&loaded.problem, &loaded.log);
+        let read: Vec<&Path> = loaded.origin.file().into_iter().chain([self.problem.as_path()]).collect();
+        paths::ensure_not_read(self.out.as_deref(), &read)?;
         let figures = self.figures.as_deref().map(OutFolder::prepare).transpose()?;
         if !self.force {
             figures.as_ref().map(pictures::refuse_existing).transpose()?;

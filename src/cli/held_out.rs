@@ -5,9 +5,10 @@ use clap::Args;
 
 use super::load::Origin;
 use super::overrides::Override;
-use crate::data::{HeldOut, Log, Split};
+use crate::data::{HeldOut, Log};
 use crate::model::Problem;
 use crate::report::{Rows, Tuning};
+use crate::study::Split;
 
 /// What the result is judged on.
 #[derive(Debug, Args)]

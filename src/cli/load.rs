@@ -7,7 +7,7 @@ use anyhow::anyhow;
 use super::console::Console;
 use super::overrides::{self, Override};
 use super::{memory, results};
-use crate::data::{self, Log, LogError, Oddity, Summary};
+use crate::data::{Log, LogError, Oddity, Summary};
 use crate::model::Problem;
 
 /// The example that `kfgpu tune` runs with no file.
@@ -36,6 +36,13 @@ pub(super) enum Origin {
     Simulated,
     /// Ships with the program: its file name and content.
     BuiltIn(&'static str, &'static str),
+}
+
+impl Origin {
+    /// The file, where it is one.
+    pub(super) fn file(&self) -> Option<&Path> {
+        if let Self::File(path) = self { Some(path) } else { None }
+    }
 }
 
 /// The problem (`None` = the built-in example), not yet its log.
@@ -84,7 +91,7 @@ pub(super) fn log_of(
         Origin::BuiltIn(name, content) => Log::read(&problem.data, content.as_bytes(), name)?,
         Origin::Simulated => {
             memory::ensure_log_fits(&problem)?;
-            data::simulate(&problem, None)?
+            crate::simulate::simulate(&problem, None)?
         }
         Origin::Stdin | Origin::File(_) => Log::open(&problem.data, folder)?,
     };

@@ -11,7 +11,7 @@ use super::files::{folder_of, is_stream};
 use super::folder::OutFolder;
 use super::load::Origin;
 use super::lock::Lock;
-use super::paths;
+use super::{paths, results};
 use crate::data::Log;
 use crate::model::Problem;
 use crate::study::CheckpointFile;
@@ -47,6 +47,15 @@ impl Output {
         let own = folder.as_ref().map(|folder| folder.path().join(checkpoint::NAME));
         let path = asked.checkpoint.map(Path::to_path_buf).or_else(|| own.clone());
         let path = path.or_else(|| Some(resumed?.file().to_path_buf()));
+        let source = Path::new(&problem.source);
+        let read: Vec<&Path> = origin.file().into_iter().chain([source]).collect();
+        paths::ensure_not_read(asked.checkpoint, &read)?;
+        if let (Some(folder), Some(own)) = (&folder, &own)
+            && !own.exists()
+        {
+            // Of an earlier run it would be kept.
+            paths::ensure_not_read(Some(&folder.path().join(results::TUNED)), &read)?;
+        }
         let goes_on = |path: &Path| resumed.is_some_and(|resumed| paths::are_one(path, resumed.file()));
         let is_own = |path: &Path| own.as_deref().is_some_and(|own| path == own || paths::are_one(path, own));
         let mut earlier = Earlier::default();

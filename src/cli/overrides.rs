@@ -6,7 +6,8 @@
 use anyhow::anyhow;
 use toml_edit::{Array, DocumentMut, InlineTable, Item, TableLike, Value, value};
 
-use crate::model::{Problem, ProblemError, SplitBy};
+use crate::data::SplitBy;
+use crate::model::{Problem, ProblemError};
 
 /// A key with its new value, and the flag that asked for it.
 #[derive(Debug, Clone)]

@@ -2,6 +2,8 @@
 
 use std::path::{Component, Path, PathBuf};
 
+use anyhow::bail;
+
 /// `file` as seen from `folder`, both as the process sees them: relative where they share a folder below the root, so
 /// that the tree can move, else absolute. An absolute `file` stays as the user gave it.
 pub(super) fn seen_from(folder: &Path, file: &Path) -> PathBuf {
@@ -26,6 +28,15 @@ pub(super) fn relative(folder: &Path, file: &Path) -> Option<PathBuf> {
 /// Whether both are there and the same.
 pub(super) fn are_one(a: &Path, b: &Path) -> bool {
     matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
+/// Refuses to write over what the command reads; `--force` is for other files.
+pub(super) fn ensure_not_read(out: Option<&Path>, inputs: &[&Path]) -> anyhow::Result<()> {
+    let is_read = |out: &Path| out.exists() && inputs.iter().any(|input| are_one(out, input));
+    match out.filter(|out| is_read(out)) {
+        Some(out) => bail!("{} is read by this command and would be replaced (choose another name)", out.display()),
+        None => Ok(()),
+    }
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! The pictures of `tune --out` and `filter --figures`.
 
 use super::folder::OutFolder;
-use crate::data::{HeldOut, Log};
+use crate::data::{HeldOut, Log, SplitBy};
 use crate::evaluate::CpuEvaluator;
-use crate::model::{Problem, SplitBy};
+use crate::model::Problem;
 use crate::objective::Objective;
 use crate::reference;
 use crate::report::figures::{Figure, FrontPicture, RunRecord, convergence, hypervolume, landscape, titled};

@@ -6,8 +6,8 @@ use clap::Args;
 
 use super::console::Console;
 use super::files::{self, Destination};
-use super::{Ending, memory};
-use crate::data::{self, Summary};
+use super::{Ending, memory, paths};
+use crate::data::Summary;
 use crate::model::Problem;
 
 /// Draw truth and measurements from a problem's model, as its `[simulate]` table says, and write them as CSV.
@@ -32,10 +32,11 @@ pub(super) struct Simulate {
 
 impl Simulate {
     pub(super) fn run(&self, console: Console) -> anyhow::Result<Ending> {
+        paths::ensure_not_read(self.out.as_deref(), &[&self.problem])?;
         let mut destination = Destination::prepare(self.out.as_deref())?;
         let problem = Problem::open(&self.problem)?;
         memory::ensure_log_fits(&problem)?;
-        let log = data::simulate(&problem, self.seed)?;
+        let log = crate::simulate::simulate(&problem, self.seed)?;
         console.note(Summary::of(&log));
         let header = files::first_line(|out| Ok(log.write_csv(&problem.data, out)?));
         destination.respect(&header, self.force)?;

@@ -1,7 +1,6 @@
 //! Which column of the header plays which role of `[data]`.
 
-use super::{LogError, Rows};
-use crate::model::DataSpec;
+use super::{DataSpec, LogError, Rows};
 
 /// Positions in the header of the columns that `[data]` names.
 pub(super) struct Columns {

@@ -121,7 +121,7 @@ impl Trajectory {
     }
 
     /// Takes the memory of so many more rows, or says that there is none.
-    pub(super) fn reserve(&mut self, rows: usize) -> Result<(), TryReserveError> {
+    pub(crate) fn reserve(&mut self, rows: usize) -> Result<(), TryReserveError> {
         self.time.try_reserve_exact(rows)?;
         self.line.try_reserve_exact(rows)?;
         let tables = [&mut self.z, &mut self.u, &mut self.truth];
@@ -129,7 +129,7 @@ impl Trajectory {
     }
 
     /// The first `rows` rows.
-    pub(super) fn first(&self, rows: usize) -> Self {
+    pub(crate) fn first(&self, rows: usize) -> Self {
         Self {
             id: self.id.clone(),
             time: self.time[..rows].to_vec(),
@@ -158,7 +158,7 @@ impl Log {
     }
 
     /// The log with these trajectories in place of its own.
-    pub(super) fn with(&self, trajectories: Vec<Trajectory>) -> Self {
+    pub(crate) fn with(&self, trajectories: Vec<Trajectory>) -> Self {
         Self {
             source: self.source.clone(),
             measurements: self.measurements.clone(),

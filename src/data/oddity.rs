@@ -69,12 +69,13 @@ const FROZEN: usize = 10;
 const CHANCE: f64 = 1e-6;
 
 impl Oddity {
-    /// All oddities of the measurements of a log, column by column.
+    /// All oddities of the measurements of a log, column by column. What jumps in a log with inputs may follow one of them.
     #[must_use]
     pub fn of(log: &Log) -> Vec<Self> {
         let mut all = Vec::new();
         for (i, column) in log.measurements.iter().enumerate() {
-            let found = Column::of(log, i).oddities();
+            let mut found = Column::of(log, i).oddities();
+            found.retain(|(kind, ..)| log.inputs.is_empty() || !matches!(kind, Kind::Jump(_)));
             all.extend(found.into_iter().map(|(kind, rows, line)| Self { column: column.clone(), kind, rows, line }));
         }
         all

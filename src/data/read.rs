@@ -7,8 +7,7 @@ use std::path::Path;
 
 use super::columns::Columns;
 use super::times::Texts;
-use super::{Clock, Log, LogError, Place, Rows, Table, TimeUnit, Times, Trajectory};
-use crate::model::DataSpec;
+use super::{Clock, DataSpec, Log, LogError, Place, Rows, Table, TimeUnit, Times, Trajectory};
 
 const LEAVE_EMPTY: &str = "leave the cell empty for a missing measurement";
 const LEAVE_TRUTH_EMPTY: &str = "leave the cell empty where the truth is unknown";

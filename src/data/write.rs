@@ -3,8 +3,7 @@
 use std::io::{self, Write};
 
 use super::decimal::Decimal;
-use super::{Log, Trajectory};
-use crate::model::DataSpec;
+use super::{DataSpec, Log, Trajectory};
 
 impl Log {
     /// Writes the log as CSV: trajectory, time, measurements, inputs and truth, under the names `spec` gives them.

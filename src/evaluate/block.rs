@@ -268,10 +268,10 @@ pub(super) fn instruction_set() -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::simulate;
     use crate::filter::trace;
     use crate::model::Problem;
     use crate::objective::{Kind, Objective};
+    use crate::simulate::simulate;
     use std::path::Path;
 
     /// Candidates of (q, r) for two of the examples, with every objective and gaps in the log.

@@ -1,7 +1,7 @@
 //! The CPU evaluator: the tape over blocks of candidates, blocks over threads.
 
 use super::block::{Blocks, Rounded, Totals, instruction_set};
-use super::{Device, Evaluation, Evaluator, Population, Precision, Status, single};
+use super::{Device, Evaluation, Evaluator, Population, Precision, Status, scored, single};
 use crate::data::Log;
 use crate::filter::{Form, Program, TraceError, trace, trace_as};
 use crate::model::Problem;
@@ -211,7 +211,7 @@ impl Evaluator for CpuEvaluator {
         } else {
             self.score_parallel(values, task)
         };
-        Evaluation::of_parts(self.program(), parts)
+        scored(self.program(), parts)
     }
 
     fn device(&self) -> Device {

@@ -13,7 +13,7 @@ mod nominal;
 mod positivity;
 mod probe;
 mod program;
-mod scoring;
+mod score;
 mod start;
 mod symmetric;
 #[cfg(test)]
@@ -31,6 +31,5 @@ pub use nominal::Nominal;
 pub use positivity::Positivity;
 pub(crate) use probe::{probed, scattered};
 pub use program::{Carried, Program, Role, Span};
-pub(crate) use scoring::{Pools, Scoring, Sum, Traced};
 pub use trace::{trace, trace_as};
 pub use units::Units;

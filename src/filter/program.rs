@@ -4,7 +4,7 @@ use super::carry::Entry;
 use super::form::Form;
 use super::nominal::Nominal;
 use super::positivity::Positivity;
-use super::scoring::{Pools, Traced};
+use super::score::{Pools, Traced};
 use super::units::Units;
 use crate::objective::{Constraint, Objective};
 use crate::tape::{Names, Tape};

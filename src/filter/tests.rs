@@ -1,10 +1,11 @@
 //! What cannot be traced is refused, for those too who use the library and check nothing beforehand.
 
 use super::TraceError;
-use crate::data::{Log, simulate};
+use crate::data::Log;
 use crate::evaluate::{BuildError, CpuEvaluator, CpuOptions, Precision};
 use crate::model::Problem;
 use crate::reference;
+use crate::simulate::simulate;
 use std::path::Path;
 
 const REGULAR: &str = "t,z,u\n0,1,0\n1,2,0\n2,2,0\n";

@@ -10,7 +10,7 @@ use super::nominal::Nominal;
 use super::positivity::Positivity;
 use super::probe::Watch;
 use super::program::{Carried, Program, Role, Span};
-use super::scoring::{Scoring, Traced};
+use super::score::{Scoring, Traced};
 use super::start::starts;
 use super::tracer::{Tracer, narrow};
 use super::units::Units;

@@ -13,15 +13,13 @@ mod text;
 #[cfg(test)]
 mod tests;
 
-use std::io::Read;
-use std::path::Path;
-
-use crate::data::{Log, LogError, Oddity};
-use crate::model::DataSpec;
+use crate::data::{DataSpec, Log, LogError, Oddity};
 use cautions::Degrees;
 use estimate::{Axis, Motion};
 use layout::Layout;
 use roles::Roles;
+use std::io::Read;
+use std::path::Path;
 use survey::Survey;
 
 /// How a drafted problem file begins, by which it is known.

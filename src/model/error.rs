@@ -3,7 +3,6 @@
 use std::fmt;
 
 use super::Span;
-use crate::data::SplitError;
 use crate::words::shorten;
 
 /// A problem file that cannot be used: one sentence, with line, column and a caret where it has a place.
@@ -102,8 +101,8 @@ pub enum Cause {
     Invalid { key: String, problem: String },
     #[error("{problem}")]
     Log { problem: String },
-    #[error("`data.validate`: {0}")]
-    Split(SplitError),
+    #[error("`data.validate`: {problem}")]
+    Validate { problem: String },
 }
 
 /// A cause and the bytes it is about, before the file's name and lines are attached.

@@ -21,7 +21,7 @@ pub use expr::{Binary, Expr, ExprKind, Function, Span, Symbol};
 pub use filter::{FilterKind, Range, Setting};
 pub use library::built_in_models;
 pub use parameter::{Parameter, Parameters, Scale, Search, Value};
-pub use problem::{DataSpec, First, Model, Pick, Problem, SimulateSpec, SplitBy, Start, TuneSpec, ValidateSpec};
+pub use problem::{First, Model, Pick, Problem, SimulateSpec, Start, TuneSpec};
 
 #[cfg(test)]
 mod tests;

@@ -1,7 +1,7 @@
 //! A problem: data, model, parameters, filter, and how to tune.
 
 use super::{Expr, FilterKind, Parameters, Span};
-use crate::data::{Format, TimeUnit};
+use crate::data::DataSpec;
 use crate::objective::{Constraint, Objective};
 
 /// A whole problem file, checked: names resolved, dimensions consistent, formulas linear where the filter needs it.
@@ -23,48 +23,6 @@ pub struct Problem {
     pub tune: TuneSpec,
     /// How to draw a log from the model, where the file says.
     pub simulate: Option<SimulateSpec>,
-}
-
-/// The `[data]` table.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct DataSpec {
-    /// CSV file, relative to the problem file; `-` = standard input; `None` when `[simulate]` makes the log.
-    pub file: Option<String>,
-    /// Time column; unit steps without.
-    pub time: Option<String>,
-    /// What times count; seconds without.
-    pub time_unit: Option<TimeUnit>,
-    /// Measurement columns, m.
-    pub measurements: Vec<String>,
-    /// Input columns.
-    pub inputs: Vec<String>,
-    /// (state, column) pairs of truth.
-    pub truth: Vec<(String, String)>,
-    /// Trajectory column.
-    pub trajectory: Option<String>,
-    /// What `tune` holds out; `None` = nothing.
-    pub validate: Option<ValidateSpec>,
-    /// How the file writes cells and numbers.
-    pub format: Format,
-}
-
-/// `data.validate`: the share of the log that the search never sees.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ValidateSpec {
-    /// Between 0 and 1, both excluded.
-    pub share: f64,
-    /// What is held out; `None` = trajectories where there are several or the log is simulated, else rows in time.
-    pub by: Option<SplitBy>,
-}
-
-/// What is held out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum SplitBy {
-    /// Whole trajectories, or fresh realisations of a simulated log.
-    Trajectory,
-    /// The last rows of each trajectory.
-    Time,
 }
 
 /// A state-space model: x' = f(x, u, dt) + w, z = h(x, u) + v, w ~ N(0, Q), v ~ N(0, R).

@@ -2,18 +2,9 @@
 //! `docs/semantics.md`.
 
 mod constraint;
-mod innovation;
-mod likelihood;
-mod mismatch;
 mod resolution;
-mod truth;
-
-#[cfg(test)]
-mod tests;
 
 pub use constraint::{Constraint, Relation};
-
-use crate::filter::{Pools, Scoring, Traced};
 
 /// What a filter run is scored by.
 #[derive(Debug, Clone, PartialEq)]
@@ -92,43 +83,5 @@ impl Objective {
     #[must_use]
     pub fn name(&self) -> &'static str {
         self.kind.name()
-    }
-}
-
-impl Objective {
-    /// Adds what the objective needs to a filter that is being traced.
-    pub(crate) fn trace(&self, scoring: &mut Scoring<'_>) -> Traced {
-        match self.kind {
-            Kind::Nll => likelihood::trace(self, scoring),
-            Kind::MseInnovation => innovation::trace_mse(self, scoring),
-            Kind::Mismatch => mismatch::trace(self, scoring),
-            Kind::Nis | Kind::NisMean => innovation::trace_nis(self, scoring),
-            Kind::Nees | Kind::NeesMean => truth::trace_nees(self, scoring),
-            Kind::Rmse => truth::trace_rmse(self, scoring),
-            Kind::Distance => truth::trace_distance(self, scoring),
-        }
-    }
-
-    /// What cannot be pooled is worked out for trajectory `t` from its sums, and then summed over trajectories.
-    pub(crate) fn of_trajectory(&self, pools: &Pools<'_>, t: usize) -> f64 {
-        match self.kind {
-            Kind::Mismatch => mismatch::of_trajectory(pools, t),
-            _ => 0.0,
-        }
-    }
-
-    /// The cost, from the pooled sums of a run.
-    pub(crate) fn finish(&self, pools: &Pools<'_>) -> f64 {
-        match self.kind {
-            Kind::Nll => likelihood::finish(pools),
-            Kind::MseInnovation => innovation::finish_mse(pools),
-            Kind::Mismatch => mismatch::finish(pools),
-            Kind::Nis => innovation::finish_nis(pools),
-            Kind::NisMean => innovation::finish_nis_mean(pools),
-            Kind::Nees => truth::finish_nees(pools),
-            Kind::NeesMean => truth::finish_nees_mean(pools),
-            Kind::Rmse => truth::finish_rmse(pools),
-            Kind::Distance => truth::finish_distance(pools),
-        }
     }
 }

@@ -1,7 +1,7 @@
 //! What counts as equal: how finely a cost is known, and in what unit its gains count.
 
 use super::Kind;
-use crate::evaluate::Precision;
+use crate::precision::Precision;
 
 impl Kind {
     /// What a difference of two values is relative to: their size, but where that may be 0 without the filter run being

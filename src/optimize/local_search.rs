@@ -4,7 +4,7 @@ use super::Optimizer;
 
 /// A search for the nearest optimum from one start, a batch of candidates at a time: [`Optimizer::ask`] gives the next
 /// batch, `None` at its end, and [`Optimizer::tell`] takes the costs. It minimises one number; a cost of
-/// [`crate::evaluate::Evaluation::INFEASIBLE`] or more is a wall.
+/// [`crate::population::Evaluation::INFEASIBLE`] or more is a wall.
 ///
 /// Several run in lockstep: their batches are scored as one.
 pub trait LocalSearch: Optimizer {

@@ -1,6 +1,6 @@
 //! Optimisers: ask/tell over a search space; they never see what evaluates.
 //!
-//! Every optimiser is one file and one row of [`ALGORITHMS`]. All of them draw from [`random::Stream`] with one stream
+//! Every optimiser is one file and one row of [`ALGORITHMS`]. All of them draw from [`Stream`](crate::random::Stream) with one stream
 //! per (generation, candidate), so a result depends on the seed alone.
 
 pub mod indicators;
@@ -13,7 +13,6 @@ pub mod operators;
 pub mod pareto;
 pub mod pio;
 pub mod pso;
-pub mod random;
 pub mod random_search;
 mod registry;
 mod saved;
@@ -26,7 +25,7 @@ pub use local_search::{LocalSearch, Standing};
 pub use registry::{ALGORITHMS, Algorithm, OptimizeError, Settings, algorithm, build};
 pub use space::Space;
 
-use crate::evaluate::{Evaluation, Population};
+use crate::population::{Evaluation, Population};
 
 /// Moves a population. Positions are in **search coordinates** (see [`Space`]); the study converts.
 ///

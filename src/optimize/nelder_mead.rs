@@ -1,7 +1,7 @@
 //! Nelder-Mead: the local search for costs that have kinks.
 
 use super::{LocalSearch, OptimizeError, Optimizer, Space, Standing};
-use crate::evaluate::{Evaluation, Population};
+use crate::population::{Evaluation, Population};
 
 /// How a local search runs.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -8,10 +8,10 @@ use serde::{Deserialize, Serialize};
 
 use super::operators::{Crossover, Mutation, Range};
 use super::pareto::{Ranking, Scores};
-use super::random::{Purpose, Stream};
 use super::saved::{self, Reader};
 use super::{Optimizer, RestoreError, Settings, Space, swarm};
-use crate::evaluate::{Evaluation, Population};
+use crate::population::{Evaluation, Population};
+use crate::random::{Purpose, Stream};
 
 /// Pairs that are worth a task of their own.
 const PAIRS_A_TASK: usize = 256;

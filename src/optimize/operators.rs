@@ -5,7 +5,7 @@
 //! bounded forms are those of Deb's own NSGA-II program.
 
 use super::Space;
-use super::random::Stream;
+use crate::random::Stream;
 
 /// How far apart two parents must be for a crossover to give something new.
 const DISTINCT: f64 = 1e-14;
@@ -127,7 +127,7 @@ impl Mutation {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::optimize::random::Purpose;
+    use crate::random::Purpose;
 
     const ONE: Range = Range { lower: 0.0, upper: 1.0, width: 1.0 };
     const FREE: Range = Range { lower: f64::NEG_INFINITY, upper: f64::INFINITY, width: 1.0 };

@@ -5,11 +5,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::random::{Purpose, Stream};
 use super::saved::{self, Reader};
 use super::swarm::{self, Best};
 use super::{Optimizer, RestoreError, Settings, Space};
-use crate::evaluate::{Evaluation, Population};
+use crate::population::{Evaluation, Population};
+use crate::random::{Purpose, Stream};
 
 /// What differs between the variants.
 #[derive(Debug, Clone, Copy, PartialEq)]

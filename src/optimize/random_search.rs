@@ -2,7 +2,7 @@
 
 use super::saved::{self, Reader};
 use super::{Optimizer, RestoreError, Settings, Space, swarm};
-use crate::evaluate::{Evaluation, Population};
+use crate::population::{Evaluation, Population};
 
 /// Draws every generation afresh and uniformly from `init` (the bounds, where bounded); learns nothing.
 ///

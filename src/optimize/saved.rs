@@ -3,7 +3,7 @@
 use serde::{Serialize, de::DeserializeOwned};
 
 use super::RestoreError;
-use crate::evaluate::Population;
+use crate::population::Population;
 
 /// The state as bytes; `None` if it cannot be written, which plain numbers always can.
 pub(super) fn write(state: &impl Serialize) -> Option<Vec<u8>> {

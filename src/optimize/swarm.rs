@@ -4,8 +4,8 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::Space;
-use super::random::{Purpose, Stream};
-use crate::evaluate::{Evaluation, Population};
+use crate::population::{Evaluation, Population};
+use crate::random::{Purpose, Stream};
 
 /// `size` positions drawn uniformly from `space.init` and clipped to the box, one stream each.
 pub(super) fn draw(space: &Space, size: usize, seed: u64, generation: u64) -> Population {

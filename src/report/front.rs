@@ -7,12 +7,12 @@ use serde::Serialize;
 
 use super::consistency::Band;
 use super::{ConstraintCheck, Named, TextTable, constraint_checks, exact, short, significant};
-use crate::data::{Log, Split, scoring_rows};
+use crate::data::Log;
 use crate::model::{Pick, Problem};
 use crate::objective::{Kind, Objective};
 use crate::optimize::pareto::dominates;
 use crate::reference;
-use crate::study::{Among, FrontMember, Landmarks, MeanNis, Outcome};
+use crate::study::{Among, FrontMember, Landmarks, MeanNis, Outcome, Split, scoring_rows};
 
 /// Members that the text report shows.
 const SHOWN: usize = 10;

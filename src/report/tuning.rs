@@ -9,10 +9,10 @@ use super::{
     Bound, Consistency, ConstraintCheck, Effort, Evidence, FrontPoint, FrontSummary, HeldOutDifference, Matrices,
     Named, Rows, Scored, StartOf, Uncertainty, Validation, Warning, constraint_checks, front, raw_rmse, short,
 };
-use crate::data::{HeldOut, Split};
+use crate::data::HeldOut;
 use crate::model::Problem;
 use crate::reference::{self, Failure};
-use crate::study::{self, Ended, Outcome, Winner};
+use crate::study::{self, Ended, Outcome, Split, Winner};
 
 /// The result of a study. Objectives are values of the f64 reference over what was tuned on: the whole log, or its
 /// training rows where `validation` says so. Parameters are in their own units.

@@ -5,10 +5,11 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::{ConstraintCheck, HeldOutDifference, Named, Standing, StartOf, constraint, raw_rmse, short, significant};
-use crate::data::{HeldOut, Log, Split, scoring_rows};
-use crate::model::{Problem, SplitBy};
+use crate::data::{HeldOut, Log, SplitBy};
+use crate::model::Problem;
 use crate::objective::{Kind, Objective};
 use crate::reference;
+use crate::study::{Split, scoring_rows};
 
 /// Trajectories held out, listed by name up to this many.
 const NAMED: usize = 1000;

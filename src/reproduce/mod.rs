@@ -14,17 +14,17 @@ mod target;
 use std::num::NonZero;
 use std::time::Instant;
 
-use rand::TryRng as _;
-use rayon::prelude::*;
-
-use crate::data::{Log, SimulateError};
+use crate::data::Log;
 use crate::evaluate::{BuildError, CpuEvaluator, CpuOptions, Device, Evaluator as _, Population, Precision};
 use crate::model::{Problem, ProblemError};
 use crate::optimize::OptimizeError;
-use crate::optimize::random::{Purpose, Stream};
+use crate::random::{Purpose, Stream};
 use crate::reference::Failure;
 use crate::report::figures::FigureError;
+use crate::simulate::SimulateError;
 use crate::study::StudyError;
+use rand::TryRng as _;
+use rayon::prelude::*;
 
 pub use reproduction::{Figure, Reproduction};
 pub use table::{Cell, Table};

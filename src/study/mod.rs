@@ -11,6 +11,7 @@ mod polish;
 mod record;
 mod search;
 mod snapshot;
+mod split;
 mod stop;
 #[cfg(test)]
 mod tests;
@@ -26,6 +27,7 @@ pub use front::{Among, FRONT_CAPACITY, Front, FrontMember, Landmarks, MeanNis};
 pub use polish::{Ended, Polish};
 pub use record::{FINALISTS, Generation, Observer, Reached};
 pub use snapshot::Snapshot;
+pub use split::{Split, SplitError, scoring_rows};
 pub use stop::StopReason;
 
 use crate::evaluate::{Evaluation, Evaluator, Population};

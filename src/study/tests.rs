@@ -1,6 +1,7 @@
 //! The loop on the mock evaluator.
 
 mod resume;
+mod splitting;
 
 use super::*;
 use crate::evaluate::mock::{Landscape, Mock};

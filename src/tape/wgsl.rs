@@ -2,7 +2,7 @@
 
 use super::graph::{Binary, Unary};
 use super::schedule::{Argument, Code, Operation, Tape};
-use crate::evaluate::Precision;
+use crate::precision::Precision;
 use std::fmt::Write;
 
 /// Why a tape cannot be printed.

@@ -337,6 +337,24 @@ fn what_no_sensor_measured_is_named() {
     says(&finished.stdout, &["# Note: column \"z\" is -999"]);
 }
 
+/// A declared input may be what a measurement jumps with.
+#[test]
+fn a_jump_beside_an_input_is_no_oddity() {
+    let folder = Folder::with_level();
+    let row = |k: u32| format!("{k},{:.3},{}", 47.0 + 0.1 * wave(k) + if k < 150 { 0.0 } else { 200.0 }, k / 150);
+    folder.write("log.csv", lines("t,z,u", 300, row));
+    let problem = |inputs: &str, h: &str| {
+        format!(
+            "[data]\nfile = \"log.csv\"\ntime = \"t\"\nmeasurements = [\"z\"]\n{inputs}\n[model]\nstate = [\"x\"]\nf = [\"x\"]\n\
+             h = [\"{h}\"]\nQ = [\"q\"]\nR = [0.01]\nx0 = [47]\nP0 = [1]\n[parameters]\nq = {{ min = 0.001, max = 1 }}\n"
+        )
+    };
+    folder.write("driven.toml", problem("inputs = [\"u\"]", "x + 200*u"));
+    folder.write("alone.toml", problem("", "x"));
+    let jumps = |file: &str| folder.run(&["filter", file]).expect(0).stderr.contains("jumps by");
+    assert_eq!((jumps("driven.toml"), jumps("alone.toml")), (false, true));
+}
+
 #[test]
 fn honest_sensors_raise_no_alarm() {
     let noise = |k: u32| f64::from(k.wrapping_mul(2_654_435_761) >> 16) / 65536.0 - 0.5;

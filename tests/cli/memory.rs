@@ -41,7 +41,7 @@ fn a_population() {
         within(1_000_000, &folder, &arguments.iter().map(String::as_str).collect::<Vec<_>>())
     };
     let message = run("16777216").refusal();
-    assert!(message.starts_with("a population of 16777216 takes at least 1.6 GB of memory, and"), "{message}");
+    assert!(message.starts_with("a population of 16777216 takes at least 2.1 GB of memory, and"), "{message}");
     assert!(message.ends_with("(by ulimit -v): take a smaller population"), "{message}");
     run("1000").expect(0);
 }

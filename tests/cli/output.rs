@@ -163,3 +163,29 @@ fn results_are_written_before_pictures() {
         assert!(!folder.read(&format!("out/{name}")).is_empty(), "{name}");
     }
 }
+
+/// What a command reads it does not write over, whatever is forced.
+#[test]
+fn an_input_is_no_output() {
+    let folder = Folder::with_level();
+    let (log, problem) = (folder.read("log.csv"), folder.read("problem.toml"));
+    for arguments in [
+        &["filter", "problem.toml", "--out", "log.csv", "--force"][..],
+        &["filter", "problem.toml", "--out", "./problem.toml", "--force"],
+        &["init", "log.csv", "--out", "log.csv", "--force"],
+        &["tune", "problem.toml", "--generations", "1", "--checkpoint", "log.csv", "--force"],
+        &["tune", "problem.toml", "--generations", "1", "--checkpoint", "problem.toml", "--force"],
+    ] {
+        let message = folder.run(arguments).refusal();
+        assert!(message.contains(" is read by this command and would be replaced (choose"), "{arguments:?}: {message}");
+        assert_eq!(
+            (folder.read("log.csv"), folder.read("problem.toml")),
+            (log.clone(), problem.clone()),
+            "{arguments:?}"
+        );
+    }
+    folder.write("tuned.toml", &problem);
+    let message = folder.run(&["tune", "tuned.toml", "--generations", "1", "--out", "."]).refusal();
+    assert!(message.contains("tuned.toml is read by this command"), "{message}");
+    assert_eq!(folder.read("tuned.toml"), problem);
+}

@@ -1,10 +1,11 @@
 //! Problems as text, with the logs and candidates that the tests run.
 
-use kfgpu::data::{Log, simulate};
+use kfgpu::data::Log;
 use kfgpu::evaluate::{CpuEvaluator, CpuOptions, Evaluation, Evaluator, Population, Precision};
 use kfgpu::filter::{Form, Program};
 use kfgpu::model::{Problem, Scale};
-use kfgpu::optimize::random::{Purpose, Stream};
+use kfgpu::random::{Purpose, Stream};
+use kfgpu::simulate::simulate;
 use std::path::Path;
 
 pub(crate) struct Case {

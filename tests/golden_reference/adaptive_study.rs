@@ -1,11 +1,12 @@
 //! The adaptive filters of the MOMA-Kalman study, against a plain loop written from its printed steps, and against the
 //! errors that an earlier, independent program found over many data sets.
 
-use kfgpu::data::{Log, simulate};
+use kfgpu::data::Log;
 use kfgpu::evaluate::{CpuEvaluator, CpuOptions, Evaluator, Population, Precision};
 use kfgpu::model::Problem;
-use kfgpu::optimize::random::{Purpose, Stream};
+use kfgpu::random::{Purpose, Stream};
 use kfgpu::reference::costs;
+use kfgpu::simulate::simulate;
 
 use super::support::close;
 

@@ -1,15 +1,14 @@
 //! How often the verdict accuses a filter that is right, given or tuned on the log that it is judged on.
 
-use std::collections::BTreeMap;
-use std::sync::atomic::AtomicBool;
-
-use kfgpu::data::simulate;
 use kfgpu::evaluate::{CpuEvaluator, CpuOptions};
 use kfgpu::model::Problem;
 use kfgpu::reference::{run, scores};
 use kfgpu::report::{Consistency, TestKind};
+use kfgpu::simulate::simulate;
 use kfgpu::study::{self, Judge, Study};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::sync::atomic::AtomicBool;
 
 /// A model with the true values of its two parameters, and the logs that are drawn from it.
 struct Model {

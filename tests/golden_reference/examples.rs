@@ -1,12 +1,12 @@
 //! The shipped problems through the reference: file, log, filter and verdict together.
 
-use std::path::Path;
-
-use kfgpu::data::{Log, simulate};
+use kfgpu::data::Log;
 use kfgpu::model::Problem;
 use kfgpu::objective::{Kind, Objective};
 use kfgpu::reference::{costs, run, score};
 use kfgpu::report::{Consistency, Verdict};
+use kfgpu::simulate::simulate;
+use std::path::Path;
 
 use super::support::close;
 

@@ -1,11 +1,11 @@
 //! Held-out scores of every objective, against a scalar filter and scores written out here, row by row.
 
-use std::f64::consts::TAU;
-
-use kfgpu::data::{HeldOut, Log, Split};
-use kfgpu::model::{Problem, SplitBy, ValidateSpec};
+use kfgpu::data::{HeldOut, Log, SplitBy, ValidateSpec};
+use kfgpu::model::Problem;
 use kfgpu::objective::{Kind, Objective};
 use kfgpu::reference::{costs, costs_held_out};
+use kfgpu::study::Split;
+use std::f64::consts::TAU;
 
 use super::support::{Linear, close, log, scalars, tune, with_truth};
 

@@ -1,12 +1,11 @@
 //! The filter's log-likelihood is the joint Gaussian log-density of all measurements, by an LU factorisation of their
 //! covariance.
 
-use std::f64::consts::TAU;
-
-use kfgpu::data::{Log, Split};
-use kfgpu::model::{SplitBy, ValidateSpec};
+use kfgpu::data::{Log, SplitBy, ValidateSpec};
 use kfgpu::objective::{Kind, Objective};
 use kfgpu::reference::costs_held_out;
+use kfgpu::study::Split;
+use std::f64::consts::TAU;
 
 use super::joint::{Draws, Joint, draw_log, model};
 use super::support::{Linear, cost};

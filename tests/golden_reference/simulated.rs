@@ -1,9 +1,10 @@
 //! Simulated logs have the moments of their model, and the filter of the true model finds them consistent.
 
-use kfgpu::data::{Log, SimulateError, simulate};
+use kfgpu::data::Log;
 use kfgpu::model::{Problem, SimulateSpec};
 use kfgpu::reference::run;
 use kfgpu::report::{Consistency, Verdict};
+use kfgpu::simulate::{SimulateError, simulate};
 use nalgebra::{DMatrix, DVector};
 
 use super::support::{Linear, matrix, vector};

@@ -1,9 +1,7 @@
 //! Problems and logs as numbers, without a problem file.
 
-use kfgpu::data::{Log, Table, Trajectory};
-use kfgpu::model::{
-    Binary, DataSpec, Expr, FilterKind, First, Model, Parameters, Pick, Problem, Start, Symbol, TuneSpec,
-};
+use kfgpu::data::{DataSpec, Log, Table, Trajectory};
+use kfgpu::model::{Binary, Expr, FilterKind, First, Model, Parameters, Pick, Problem, Start, Symbol, TuneSpec};
 use kfgpu::objective::{Kind, Objective};
 use nalgebra::{DMatrix, DVector};
 

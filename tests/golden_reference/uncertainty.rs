@@ -1,15 +1,15 @@
 //! Standard errors against the likelihood of dense algebra, whose derivatives are known in closed form.
 
-use std::path::Path;
-use std::sync::atomic::AtomicBool;
-
-use kfgpu::data::{Log, simulate};
+use kfgpu::data::Log;
 use kfgpu::evaluate::{CpuEvaluator, CpuOptions};
 use kfgpu::model::Problem;
 use kfgpu::reference;
 use kfgpu::report::Uncertainty;
+use kfgpu::simulate::simulate;
 use kfgpu::study::{self, Judge, Study};
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 /// The Nile's problem file, with replacements in its text, and its log.
 fn nile(replacements: &[(&str, &str)]) -> (Problem, Log) {

@@ -1,9 +1,10 @@
 //! What is said of filters that are wrong in ways that leave the mean NIS right.
 
-use kfgpu::data::{Log, simulate};
+use kfgpu::data::Log;
 use kfgpu::model::Problem;
 use kfgpu::reference::run;
 use kfgpu::report::{Consistency, TestKind, Verdict};
+use kfgpu::simulate::simulate;
 
 const LEVEL: &str = "[data]\nmeasurements = [\"z\"]\n[model]\nstate = [\"x\"]\nf = [\"x\"]\nh = [\"x\"]\nQ = [Q_]\nR = [R_]\nx0 = [0]\nP0 = [P0_]\n\
     [tune]\nobjectives = [\"nll\"]\n[simulate]\ndt = 1\nsteps = STEPS\n";

@@ -1,10 +1,10 @@
 //! What constraints bound is computed by the kernel as by the lanes.
 
 use crate::{adapter, options};
-use kfgpu::data::simulate;
 use kfgpu::evaluate::gpu::GpuEvaluator;
 use kfgpu::evaluate::{CpuEvaluator, CpuOptions, Evaluator, Population, Precision};
 use kfgpu::model::Problem;
+use kfgpu::simulate::simulate;
 use std::path::Path;
 
 #[test]

@@ -4,7 +4,7 @@ use crate::logs::{Shape, draw};
 use kfgpu::data::Log;
 use kfgpu::evaluate::Population;
 use kfgpu::model::{Parameters, Problem, Scale};
-use kfgpu::optimize::random::{Purpose, Stream};
+use kfgpu::random::{Purpose, Stream};
 use kfgpu::reference::{self, Cause};
 
 /// What single precision owes to a case.

@@ -2,7 +2,7 @@
 
 use kfgpu::data::{Log, Table, Trajectory};
 use kfgpu::model::{Expr, Problem, Start, Symbol};
-use kfgpu::optimize::random::{Purpose, Stream};
+use kfgpu::random::{Purpose, Stream};
 use kfgpu::reference::{Matrices, Scope, evaluate};
 use nalgebra::{DMatrix, DVector};
 use rand_distr::{Distribution, StandardNormal};

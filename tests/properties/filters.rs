@@ -4,7 +4,7 @@ use kfgpu::data::{Log, Table, Trajectory};
 use kfgpu::evaluate::{CpuEvaluator, CpuOptions, Evaluator, Population};
 use kfgpu::model::Problem;
 use kfgpu::objective::{Kind, Objective};
-use kfgpu::optimize::random::{Purpose, Stream};
+use kfgpu::random::{Purpose, Stream};
 use kfgpu::reference;
 use nalgebra::DMatrix;
 use proptest::prelude::*;

@@ -3,7 +3,7 @@
 use kfgpu::data::{Log, Table, Trajectory};
 use kfgpu::evaluate::{CpuEvaluator, CpuOptions, Evaluator, Population, Precision};
 use kfgpu::model::Problem;
-use kfgpu::optimize::random::{Purpose, Stream};
+use kfgpu::random::{Purpose, Stream};
 use kfgpu::reference;
 use proptest::prelude::*;
 

@@ -1,8 +1,8 @@
 //! What must hold of every optimiser of the registry, whatever the space and the costs.
 
 use kfgpu::evaluate::{Evaluation, Population, Status};
-use kfgpu::optimize::random::{Purpose, Stream};
 use kfgpu::optimize::{ALGORITHMS, Algorithm, Optimizer, Settings, Space, build};
+use kfgpu::random::{Purpose, Stream};
 use proptest::prelude::*;
 
 /// A box, some of whose sides may be open, and how often a candidate fails in it.

@@ -1,15 +1,15 @@
 //! Whole studies of shipped problems, with the CPU evaluator and the f64 reference, against known optima.
 
-use std::num::NonZero;
-use std::path::Path;
-use std::sync::atomic::AtomicBool;
-
-use kfgpu::data::{Log, simulate};
+use kfgpu::data::Log;
 use kfgpu::evaluate::{CpuEvaluator, CpuOptions, Precision};
 use kfgpu::model::{Problem, TuneSpec};
 use kfgpu::objective::{Kind, Objective};
 use kfgpu::reference;
+use kfgpu::simulate::simulate;
 use kfgpu::study::{self, Judge, Outcome, StopReason, Study};
+use std::num::NonZero;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 fn open(name: &str) -> (Problem, Log) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");

@@ -3,7 +3,7 @@
 use kfgpu::data::{Log, Table, Trajectory};
 use kfgpu::evaluate::Population;
 use kfgpu::model::Problem;
-use kfgpu::optimize::random::{Purpose, Stream};
+use kfgpu::random::{Purpose, Stream};
 
 /// Units of the two states and of the measurements, as multiples of plain ones.
 #[derive(Debug, Clone, Copy)]

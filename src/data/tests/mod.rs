@@ -3,11 +3,10 @@
 mod errors;
 mod properties;
 mod reading;
-mod splitting;
 mod summary;
 
 use super::{Log, LogError};
-use crate::model::DataSpec;
+use crate::data::DataSpec;
 
 /// `[data]` with measurements and perhaps a time column.
 fn spec(time: Option<&str>, measurements: &[&str]) -> DataSpec {

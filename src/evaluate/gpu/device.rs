@@ -2,7 +2,7 @@
 
 use super::adapter::{AdapterError, AdapterInfo, choose};
 use super::layout::Layout;
-use crate::evaluate::Precision;
+use crate::precision::Precision;
 use std::sync::mpsc;
 use std::time::Duration;
 

@@ -6,7 +6,7 @@ use super::layout::{Header, Layout, Round};
 use super::totals::{Sums, Totals};
 use super::upload::{self, word};
 use super::{GpuError, GpuOptions, prologue, shader};
-use crate::evaluate::{Evaluation, Population, Precision, Status};
+use crate::evaluate::{Evaluation, Population, Precision, Status, scored};
 use crate::filter::Program;
 use std::time::Duration;
 use wgpu::{BufferUsages as Usage, Limits};
@@ -95,7 +95,7 @@ impl Kernel {
             }
             parts.push((costs, status));
         }
-        Ok((Evaluation::of_parts(program, parts), time))
+        Ok((scored(program, parts), time))
     }
 
     fn totals_bytes(&self, rows: usize, stride: usize) -> u64 {

@@ -1,7 +1,7 @@
 //! How a program lies in GPU memory: the record in chunks of rows, dispatches of one or more chunks, totals.
 
-use crate::evaluate::Precision;
 use crate::filter::{Program, Role};
+use crate::precision::Precision;
 use crate::tape::lanes::Lane;
 use bytemuck::{Pod, Zeroable};
 use std::ops::Range;

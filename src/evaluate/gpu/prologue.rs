@@ -1,8 +1,8 @@
 //! What a candidate brings to the kernel, computed on the host in f64 and rounded once: invariants, initial states.
 
 use super::layout::{Layout, Round};
-use crate::evaluate::Precision;
 use crate::filter::{Program, Span};
+use crate::precision::Precision;
 use crate::tape::lanes::{Lane, Register, run_apart, run_one};
 use bytemuck::Pod;
 use rayon::prelude::*;

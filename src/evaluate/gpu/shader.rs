@@ -2,8 +2,8 @@
 
 use super::GpuError;
 use super::layout::Layout;
-use crate::evaluate::Precision;
 use crate::filter::{Program, Role};
+use crate::precision::Precision;
 use crate::tape::lanes::Lane;
 use crate::tape::wgsl::{Printer, WgslError, literal};
 use std::fmt::Write;

@@ -3,8 +3,8 @@
 use super::device::Gpu;
 use super::layout::{Chunk, Entry, Layout, bytes};
 use super::prologue;
-use crate::evaluate::Precision;
 use crate::filter::Program;
+use crate::precision::Precision;
 use std::ops::Range;
 use wgpu::BufferUsages as Usage;
 

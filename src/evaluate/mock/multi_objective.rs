@@ -126,7 +126,7 @@ fn lattice(objectives: usize, n: usize) -> Vec<Vec<f64>> {
 mod tests {
     use super::*;
     use crate::optimize::pareto::{Scores, dominates, fronts};
-    use crate::optimize::random::{Purpose, Stream};
+    use crate::random::{Purpose, Stream};
 
     const ALL: [MultiObjective; 6] = [
         MultiObjective::Zdt1,

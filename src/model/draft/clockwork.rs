@@ -3,8 +3,7 @@
 use super::names::{names_a_time, unit_of_time, unit_of_time_column};
 use super::roles::Roles;
 use super::survey::{Content, Survey};
-use crate::data::{Log, LogError, TimeUnit};
-use crate::model::DataSpec;
+use crate::data::{DataSpec, Log, LogError, TimeUnit};
 
 /// The unit of the time column, with the reason; `None` where it is seconds.
 pub(super) fn guess_unit(

@@ -8,7 +8,7 @@ use rand_distr::{Distribution, StandardNormal};
 use super::*;
 use crate::data::Log;
 use crate::model::Problem;
-use crate::optimize::random::{Purpose, Stream};
+use crate::random::{Purpose, Stream};
 use crate::reference;
 
 fn of(text: &str) -> Draft {

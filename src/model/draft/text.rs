@@ -7,8 +7,7 @@ use super::estimate::{Axis, Motion};
 use super::roles::{Roles, identifier};
 use super::survey::{Content, Survey};
 use super::{clockwork, series};
-use crate::data::{Format, Log, Trajectory};
-use crate::model::DataSpec;
+use crate::data::{DataSpec, Format, Log, Trajectory};
 
 /// Everything the file says; printing it gives the file.
 pub(super) struct Page<'a> {

@@ -2,8 +2,9 @@
 
 use super::node::Node;
 use super::objectives;
+use crate::data::DataSpec;
+use crate::model::Span;
 use crate::model::error::{Cause, Fault};
-use crate::model::{DataSpec, Span};
 use crate::objective::{Constraint, Kind, Objective, Relation};
 use crate::words::shorten;
 

@@ -5,8 +5,9 @@ use toml::de::DeValue;
 use super::format;
 use super::node::{Fields, Node};
 use super::parameters::check_name;
+use crate::data::{DataSpec, SplitBy, ValidateSpec};
+use crate::model::Span;
 use crate::model::error::{Cause, Fault, nearest};
-use crate::model::{DataSpec, Span, SplitBy, ValidateSpec};
 use crate::words::shorten;
 
 const MAX_MEASUREMENTS: usize = 32;

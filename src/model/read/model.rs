@@ -4,10 +4,11 @@ use super::covariance::{self, Axes};
 use super::data::{self, limit};
 use super::node::{Fields, Node};
 use super::parameters::{Factor, check_name};
+use crate::data::DataSpec;
 use crate::model::error::{Cause, Fault, nearest};
 use crate::model::formula::{FormulaPlace, Names, Scope};
 use crate::model::library::{self, BuiltIn, Motion, Noise};
-use crate::model::{DataSpec, Expr, First, Model, Parameters, Start, Value, linear};
+use crate::model::{Expr, First, Model, Parameters, Start, Value, linear};
 
 /// A step over n dense states and measurements is 4 n^3 flops, 7 n^3 by factors: tracing 32 takes a second.
 const MAX_STATES: usize = 32;

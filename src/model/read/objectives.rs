@@ -1,7 +1,7 @@
 //! `[tune] objectives`, and what constraints share with them.
 
 use super::node::{Fields, Node};
-use crate::model::DataSpec;
+use crate::data::DataSpec;
 use crate::model::error::{Cause, Fault, nearest};
 use crate::objective::{Kind, Objective};
 use crate::words::shorten;

@@ -2,9 +2,10 @@
 
 use super::covariance::{self, Axes};
 use super::node::{Fields, Node};
+use crate::data::DataSpec;
 use crate::model::error::{Cause, Fault, nearest};
 use crate::model::formula::{FormulaPlace, Names};
-use crate::model::{DataSpec, Expr, Model, Parameters, SimulateSpec};
+use crate::model::{Expr, Model, Parameters, SimulateSpec};
 use crate::words::shorten;
 
 const KEYS: [&str; 9] = ["steps", "dt", "parameters", "x0", "Q", "missing", "skip_first", "trajectories", "seed"];

@@ -2,8 +2,9 @@
 
 use super::node::{Fields, Node};
 use super::{constraints, objectives, pick};
+use crate::data::DataSpec;
 use crate::model::error::{Cause, Fault, nearest};
-use crate::model::{DataSpec, Pick, TuneSpec};
+use crate::model::{Pick, TuneSpec};
 use crate::objective::{Kind, Objective};
 use crate::optimize::ALGORITHMS;
 use crate::words::shorten;

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::evaluate::mock::MultiObjective;
-use crate::optimize::random::{Purpose, Stream};
+use crate::random::{Purpose, Stream};
 use std::f64::consts::PI;
 
 fn slices(points: &[Vec<f64>]) -> Vec<&[f64]> {

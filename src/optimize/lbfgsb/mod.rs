@@ -17,7 +17,7 @@ mod tests;
 pub use gradient::{Differences, Gradient, Slope};
 
 use super::{LocalSearch, OptimizeError, Optimizer, Space, Standing};
-use crate::evaluate::{Evaluation, Population};
+use crate::population::{Evaluation, Population};
 use gradient::ROUNDING;
 use quadratic::Memory;
 

@@ -61,7 +61,7 @@ fn drive(search: &mut Lbfgsb, cost: &dyn Fn(&[f64]) -> f64) -> usize {
             assert!(row.iter().zip(bounds).all(|(x, (l, u))| inside(x, l, u)), "{row:?} leaves the box");
         }
         let costs: Vec<f64> = batch.rows().map(cost).collect();
-        let status = vec![crate::evaluate::Status::OK; costs.len()];
+        let status = vec![crate::population::Status::OK; costs.len()];
         search.tell(&batch, &Evaluation::new(1, costs, status));
         batches += 1;
     }

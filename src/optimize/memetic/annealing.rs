@@ -3,11 +3,11 @@
 use rand_distr::{Distribution, StandardNormal};
 
 use super::{Individual, LocalSearch};
-use crate::evaluate::{Evaluation, Population};
 use crate::optimize::Space;
 use crate::optimize::operators::Range;
 use crate::optimize::pareto::dominates;
-use crate::optimize::random::{Purpose, Stream};
+use crate::population::{Evaluation, Population};
+use crate::random::{Purpose, Stream};
 
 /// Which proposals are taken. df_j is what cost j of the proposal is above that of the current state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::pareto::{Ranking, Scores};
 use super::saved::{self, Reader};
 use super::{Optimizer, RestoreError, Settings, Space, nsga2};
-use crate::evaluate::{Evaluation, Population, Status};
+use crate::population::{Evaluation, Population, Status};
 use annealing::Annealing;
 
 /// A candidate with what it scored.

@@ -5,7 +5,7 @@ use super::*;
 use crate::evaluate::Evaluator;
 use crate::evaluate::mock::{Landscape, Mock};
 use crate::optimize::pso::{CONSTRICTION, Pso};
-use crate::optimize::random::{Purpose, Stream};
+use crate::random::{Purpose, Stream};
 use rand_distr::{Distribution, StandardNormal};
 
 const fn settings(generations: usize, evaluations: Option<u64>) -> Settings {

@@ -15,7 +15,7 @@ pub use fronts::fronts;
 
 use rayon::prelude::*;
 
-use crate::evaluate::Evaluation;
+use crate::population::Evaluation;
 use std::cmp::Ordering;
 
 /// Costs and constraint violations of some candidates: what Pareto order looks at.

@@ -1,7 +1,7 @@
 //! Fronts and crowding against brute force, and against values of another program.
 
 use super::*;
-use crate::optimize::random::{Purpose, Stream};
+use crate::random::{Purpose, Stream};
 
 /// Points with many equal costs, some infeasible: from 1 to 60 of them on a lattice.
 fn random_scores(case: u64, objectives: usize) -> Scores {

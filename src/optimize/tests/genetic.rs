@@ -1,12 +1,12 @@
 //! NSGA-II step by step, and its odd cases.
 
 use super::*;
-use crate::evaluate::Status;
 use crate::evaluate::mock::MultiObjective;
 use crate::optimize::nsga2::{Merge, Nsga2, PUBLISHED, Rules, STUDY};
 use crate::optimize::pareto::Scores;
 use crate::optimize::pareto::tests::{crowding_by_neighbours, peeled};
-use crate::optimize::random::{Purpose, Stream};
+use crate::population::Status;
+use crate::random::{Purpose, Stream};
 
 const SEED: u64 = 11;
 const LOW: f64 = 0.1;

@@ -4,7 +4,7 @@
 //! score is what they give. Truth moves exactly by the input, so only the error is carried.
 
 use super::*;
-use crate::optimize::random::{Purpose, Stream};
+use crate::random::{Purpose, Stream};
 use rand_distr::{Distribution, StandardNormal};
 
 const STEPS: usize = 50;
@@ -49,7 +49,7 @@ fn search(name: &str, seed: u64, noise: &[[f64; 2]]) -> f64 {
     while let Some(population) = optimizer.ask() {
         let costs: Vec<f64> = population.rows().map(|m| score(m, noise)).collect();
         best = costs.iter().copied().fold(best, f64::min);
-        let status = vec![crate::evaluate::Status::OK; costs.len()];
+        let status = vec![crate::population::Status::OK; costs.len()];
         optimizer.tell(&population, &Evaluation::new(1, costs, status));
     }
     best

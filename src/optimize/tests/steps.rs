@@ -1,8 +1,8 @@
 //! The exact steps of PSO and PIO against a second implementation: plain arrays, the same draws.
 
 use super::*;
-use crate::evaluate::Status;
-use crate::optimize::random::{Purpose, Stream};
+use crate::population::Status;
+use crate::random::{Purpose, Stream};
 
 const SEED: u64 = 11;
 type Point = [f64; 2];

@@ -162,7 +162,7 @@ fn at_least(binomial: &Binomial, count: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::optimize::random::{Purpose, Stream};
+    use crate::random::{Purpose, Stream};
     use rand_distr::{Distribution, StandardNormal};
 
     /// NIS of rows with 1, 2, 3, 1, ... unit normal components, the first times `factor`.

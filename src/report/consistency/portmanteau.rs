@@ -57,7 +57,7 @@ impl Portmanteau {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::optimize::random::{Purpose, Stream};
+    use crate::random::{Purpose, Stream};
     use crate::report::consistency::Whiteness;
     use rand_distr::{Distribution, StandardNormal};
 

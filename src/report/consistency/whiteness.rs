@@ -119,7 +119,7 @@ pub(super) fn number(length: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::optimize::random::{Purpose, Stream};
+    use crate::random::{Purpose, Stream};
     use rand_distr::{Distribution, StandardNormal};
 
     fn noise(index: u64, n: usize) -> Vec<f64> {

@@ -1,8 +1,10 @@
 use super::per_row::per_row;
 use super::*;
-use crate::data::{Log, Split, simulate};
+use crate::data::Log;
 use crate::model::Problem;
 use crate::reference;
+use crate::simulate::simulate;
+use crate::study::Split;
 use rayon::prelude::*;
 
 const LEVEL: &str = "[data]\nmeasurements = [\"y\"]\ntruth = { level = \"level\" }\nVALIDATE\n[model]\nstate = [\"level\"]\nf = [\"level\"]\nh = [\"level\"]\n\

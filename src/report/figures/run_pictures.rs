@@ -5,8 +5,8 @@ use super::extent::{hides_the_rest, lowest_usual, of_course, without_outliers};
 use super::run_record::{MOST, RunRecord};
 use super::track::{MeasurementSeries, StateSeries, Track};
 use super::{Axis, Colour, Dash, Figure, Marker, Panel, Stroke};
-use crate::data::{Log, Origin};
-use crate::model::{Problem, SplitBy};
+use crate::data::{Log, Origin, SplitBy};
+use crate::model::Problem;
 use crate::report::{Whiteness, count, significant};
 
 const MEASURED: (Marker, Colour) = (Marker::Dot, Colour::Grey);

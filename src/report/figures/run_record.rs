@@ -5,8 +5,8 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::histogram::Histogram;
 use super::plan::Axes;
 use super::track::Track;
-use crate::data::{HeldOut, Log};
-use crate::model::{ExprKind, Model, Problem, SplitBy, Symbol};
+use crate::data::{HeldOut, Log, SplitBy};
+use crate::model::{ExprKind, Model, Problem, Symbol};
 use crate::reference::{Estimate, Step, Update};
 use crate::report::consistency::normalised;
 

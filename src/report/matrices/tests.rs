@@ -133,7 +133,7 @@ fn values_are_those_of_the_reference() {
         let problem = Problem::open(&examples.join(name)).unwrap();
         let log = match problem.data.file {
             Some(_) => Log::open(&problem.data, &examples).unwrap(),
-            None => crate::data::simulate(&problem, None).unwrap(),
+            None => crate::simulate::simulate(&problem, None).unwrap(),
         };
         let candidate = problem.parameters.baseline();
         let found = Matrices::of(&problem, &log, &candidate);

@@ -18,8 +18,8 @@ use super::{Options, Progress, PublishedStudy, ReproduceError, Reproduction, see
 use crate::data::Log;
 use crate::evaluate::{CpuEvaluator, Device, Population};
 use crate::model::Problem;
-use crate::optimize::random::{Purpose, Stream};
 use crate::optimize::{pio, pso};
+use crate::random::{Purpose, Stream};
 use oracle::{Noise, Spectrum};
 use scenario::Bounds;
 use search::{Ground, Method, Run};

@@ -4,8 +4,8 @@
 use super::oracle::{Noise, Spectrum};
 use crate::evaluate::{Evaluation, Status};
 use crate::optimize::nelder_mead::{NelderMead, Options};
-use crate::optimize::random::{Purpose, Stream};
 use crate::optimize::{OptimizeError, Optimizer as _, Space};
+use crate::random::{Purpose, Stream};
 
 /// Evaluations of one local search.
 const EVALUATIONS: usize = 800;

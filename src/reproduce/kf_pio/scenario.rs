@@ -5,7 +5,7 @@ use rand_distr::{Distribution, StandardNormal};
 use super::super::ReproduceError;
 use crate::data::{Log, Table, Trajectory};
 use crate::model::Problem;
-use crate::optimize::random::{Purpose, Stream};
+use crate::random::{Purpose, Stream};
 
 /// Rows of a track, N.
 pub(super) const ROWS: usize = 50;

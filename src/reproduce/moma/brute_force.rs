@@ -1,7 +1,7 @@
 //! Ranks and crowding distances by their definitions, in O(N^2) and more, against which the fast ones are held.
 
 use crate::optimize::pareto::{self, Scores};
-use crate::optimize::random::{Purpose, Stream};
+use crate::random::{Purpose, Stream};
 
 /// Fronts peeled off one after another: the candidates that no remaining one dominates.
 fn ranks(points: &[[f64; 2]]) -> Vec<usize> {

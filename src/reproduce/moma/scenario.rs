@@ -1,9 +1,9 @@
 //! The rocket, its filter and the data sets.
 
 use super::super::{ReproduceError, seed_of};
-use crate::data::{self, Log};
+use crate::data::Log;
 use crate::model::Problem;
-use crate::optimize::random::{Purpose, Stream};
+use crate::random::{Purpose, Stream};
 
 /// Range of the searched R, and of the fixed R0 of the filters that are not tuned.
 pub(super) const RANGE: [f64; 2] = [0.1, 45.0];
@@ -85,7 +85,7 @@ const DATA: u64 = 1 << 40;
 
 /// The log of a data set: row 0 has truth and no measurement.
 pub(super) fn log(problem: &Problem, seed: u64, data_set: u64) -> Result<Log, ReproduceError> {
-    Ok(data::simulate(problem, Some(seed_of(seed, data_set, DATA)))?)
+    Ok(crate::simulate::simulate(problem, Some(seed_of(seed, data_set, DATA)))?)
 }
 
 /// R0 of each run, uniform over [`RANGE`].

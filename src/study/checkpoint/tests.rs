@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use proptest::prelude::*;
 
 use super::*;
-use crate::data::simulate;
 use crate::evaluate::Device;
+use crate::simulate::simulate;
 use crate::study::{Front, Generation, Observer as _, Reached, Scored};
 
 const TEXT: &str = r#"

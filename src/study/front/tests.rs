@@ -7,7 +7,7 @@ use crate::evaluate::Status;
 use crate::model::Pick;
 use crate::objective::{Constraint, Kind, Objective, Relation};
 use crate::optimize::pareto::dominates;
-use crate::optimize::random::{Purpose, Stream};
+use crate::random::{Purpose, Stream};
 use crate::study::finish::Bounds;
 
 fn evaluation(costs: &[Vec<f64>], violation: Vec<f64>) -> (Population, Evaluation) {

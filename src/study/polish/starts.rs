@@ -4,8 +4,8 @@ use super::Place;
 use crate::evaluate::Population;
 use crate::optimize::lbfgsb::{Differences, Lbfgsb, Options};
 use crate::optimize::nelder_mead::{self, NelderMead};
-use crate::optimize::random::{Purpose, Stream};
 use crate::optimize::{OptimizeError, Space};
+use crate::random::{Purpose, Stream};
 
 /// Candidates nearer than this share of a unit in every coordinate are one start.
 const DISTINCT: f64 = 0.5;

@@ -10,8 +10,9 @@ mod gaps;
 mod large;
 
 use crate::case::Case;
-use kfgpu::data::{Log, simulate};
+use kfgpu::data::Log;
 use kfgpu::model::Problem;
+use kfgpu::simulate::simulate;
 use std::path::Path;
 
 /// An example with the log that ships with it, or that it simulates.

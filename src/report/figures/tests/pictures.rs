@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use super::*;
-use crate::data::{Log, simulate};
+use crate::data::Log;
 use crate::evaluate::{CpuEvaluator, CpuOptions, Device, Evaluation, Evaluator, Population, Status};
 use crate::model::Problem;
 use crate::reference;
 use crate::report::Evidence;
+use crate::simulate::simulate;
 use crate::study::Generation;
 
 fn example(name: &str) -> Problem {
@@ -85,7 +86,7 @@ fn pictures_of_a_run_name_what_they_show() {
 fn pictures_say_where_held_out_rows_begin() {
     let problem = example("rocket.toml");
     let log = simulate(&problem, None).unwrap();
-    let by = crate::model::SplitBy::Time;
+    let by = crate::data::SplitBy::Time;
     let held_out = crate::data::HeldOut { from: vec![141], share: 0.3, by, log };
     let found = of_record(RunRecord::of_held_out(&problem, &held_out), &problem, &held_out.log);
     for picture in ["estimates", "errors", "innovations", "nis"] {

@@ -1,7 +1,7 @@
 //! `mismatch` (f2 of MOMA, doi 10.1145/2576768.2598242): actual against theoretical innovation covariance, by their traces.
 
-use super::Objective;
-use crate::filter::{Pools, Scoring, Traced};
+use super::{Pools, Scoring, Traced};
+use crate::objective::Objective;
 use std::cell::LazyCell;
 
 /// Sums: m for Ca over the window, then m for Ct over the window, or over its last row with `ct = "last"`.

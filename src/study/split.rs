@@ -3,10 +3,10 @@
 //! Rows are held out from the end of a trajectory, or whole trajectories are: later rows never affect earlier ones in a
 //! filter, so the training part is a shorter log and nothing that computes costs needs to know of the split.
 
-use super::simulate::realisations;
-use super::{Log, SimulateError, Trajectory};
-use crate::model::{Cause, Problem, ProblemError, SplitBy, Start, ValidateSpec};
+use crate::data::{HeldOut, Log, SplitBy, Trajectory, ValidateSpec};
+use crate::model::{Cause, Problem, ProblemError, Start};
 use crate::objective::{Kind, Objective};
+use crate::simulate::{SimulateError, realisations};
 
 /// A log parted for tuning.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,19 +15,6 @@ pub struct Split {
     pub train: Log,
     /// What none of them sees.
     pub held_out: Option<HeldOut>,
-}
-
-/// The rows that a study does not see.
-#[derive(Debug, Clone, PartialEq)]
-pub struct HeldOut {
-    /// What the filter runs through: by time the whole log, by trajectory those held out.
-    pub log: Log,
-    /// The first row of each of its trajectories that scores; a trajectory's length where none does.
-    pub from: Vec<usize>,
-    /// What is held out.
-    pub by: SplitBy,
-    /// The share asked for.
-    pub share: f64,
 }
 
 /// Why a log cannot be parted as `data.validate` asks.
@@ -79,7 +66,7 @@ impl Split {
     pub fn of(problem: &Problem, log: Log) -> Result<Self, ProblemError> {
         let Some(spec) = problem.data.validate else { return Ok(Self::whole(log)) };
         let parted = Self::parted(problem, spec, log).and_then(|split| split.check(problem).map(|()| split));
-        parted.map_err(|error| problem.fault(&["data", "validate"], Cause::Split(error)))
+        parted.map_err(|error| problem.fault(&["data", "validate"], Cause::Validate { problem: error.to_string() }))
     }
 
     fn parted(problem: &Problem, spec: ValidateSpec, log: Log) -> Result<Self, SplitError> {
@@ -162,19 +149,6 @@ impl Split {
                 format!("the measurement `{name}` has no value in the training rows, so nothing tunes its noise")
             })
             .collect()
-    }
-}
-
-impl HeldOut {
-    /// Whole trajectories.
-    fn trajectories(log: Log, share: f64) -> Self {
-        Self { from: vec![0; log.trajectories.len()], log, by: SplitBy::Trajectory, share }
-    }
-
-    /// Number of rows held out, scored or not.
-    #[must_use]
-    pub fn rows(&self) -> usize {
-        self.log.trajectories.iter().zip(&self.from).map(|(t, from)| t.len() - from).sum()
     }
 }
 

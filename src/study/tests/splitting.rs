@@ -1,7 +1,9 @@
 //! Which rows are held out, and splits that cannot be.
 
-use crate::data::{Log, Split, scoring_rows, simulate};
-use crate::model::{Problem, ProblemError, SplitBy};
+use crate::data::{Log, SplitBy};
+use crate::model::{Problem, ProblemError};
+use crate::simulate::simulate;
+use crate::study::{Split, scoring_rows};
 
 fn problem(data: &str, rest: &str) -> Problem {
     let text = format!(

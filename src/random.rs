@@ -78,7 +78,7 @@ pub const fn philox4x32(counter: [u32; 4], key: [u32; 2]) -> [u32; 4] {
 /// generations below 2^44, each 2^34 words long; higher bits are ignored.
 ///
 /// ```
-/// use kfgpu::optimize::random::{Purpose, Stream};
+/// use kfgpu::random::{Purpose, Stream};
 /// let mut noise = Stream::new(7, Purpose::MeasurementNoise, 0, 12);
 /// let u = noise.uniform();
 /// assert!((0.0..1.0).contains(&u));

@@ -1,31 +1,31 @@
 //! What objectives see of a filter while it is traced, and of its sums when it has run.
 
-use super::columns::{Columns, Key, Place, Rows};
-use super::covariance::Covariance;
-use super::kalman::Update;
-use super::nominal::Nominal;
-use super::program::Role;
-use super::units::Units;
+use crate::filter::columns::{Columns, Key, Place, Rows};
+use crate::filter::covariance::Covariance;
+use crate::filter::kalman::Update;
+use crate::filter::nominal::Nominal;
+use crate::filter::program::Role;
+use crate::filter::units::Units;
 use crate::model::Problem;
 use crate::tape::{Graph, Id, Unary};
 use std::f64::consts::LN_2;
 
 /// Offers one row of the traced filter to the objectives and collects their sums.
 pub(crate) struct Scoring<'a> {
-    pub(super) g: &'a mut Graph,
-    pub(super) columns: &'a mut Columns,
-    pub(super) rows: &'a Rows<'a>,
-    pub(super) problem: &'a Problem,
-    pub(super) nominal: Option<&'a Nominal>,
-    pub(super) units: &'a Units,
-    pub(super) update: &'a Update,
-    pub(super) x: &'a [Id],
-    pub(super) p: &'a Covariance,
-    pub(super) sums: &'a mut Vec<(Role, Id)>,
+    pub(in crate::filter) g: &'a mut Graph,
+    pub(in crate::filter) columns: &'a mut Columns,
+    pub(in crate::filter) rows: &'a Rows<'a>,
+    pub(in crate::filter) problem: &'a Problem,
+    pub(in crate::filter) nominal: Option<&'a Nominal>,
+    pub(in crate::filter) units: &'a Units,
+    pub(in crate::filter) update: &'a Update,
+    pub(in crate::filter) x: &'a [Id],
+    pub(in crate::filter) p: &'a Covariance,
+    pub(in crate::filter) sums: &'a mut Vec<(Role, Id)>,
     /// What a candidate fails without.
-    pub(super) positive: &'a mut Vec<Id>,
+    pub(in crate::filter) positive: &'a mut Vec<Id>,
     /// Which scorer is being traced, and how many of its columns there are so far: the same in every round of refinement.
-    pub(super) asked: (usize, usize),
+    pub(in crate::filter) asked: (usize, usize),
 }
 
 /// A node in units of 2^`exponent` of the problem's own.
@@ -203,10 +203,10 @@ impl<'a> Scoring<'a> {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pools<'a> {
     /// One a slot of the program.
-    pub(super) totals: &'a [f64],
+    pub(in crate::filter) totals: &'a [f64],
     /// What [`Objective::of_trajectory`](crate::objective::Objective::of_trajectory) gave, summed over the trajectories.
-    pub(super) folded: f64,
-    pub(super) traced: &'a Traced,
+    pub(in crate::filter) folded: f64,
+    pub(in crate::filter) traced: &'a Traced,
 }
 
 impl Pools<'_> {

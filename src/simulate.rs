@@ -2,13 +2,12 @@
 
 use std::ops::Range;
 
+use crate::data::{Log, Table, Times, Trajectory};
+use crate::model::{First, Problem, SimulateSpec};
+use crate::random::{Purpose, Stream};
+use crate::reference::{Affine, Formulas};
 use nalgebra::{DMatrix, DVector};
 use rand_distr::{Distribution, StandardNormal};
-
-use super::{Log, Table, Times, Trajectory};
-use crate::model::{First, Problem, SimulateSpec};
-use crate::optimize::random::{Purpose, Stream};
-use crate::reference::{Affine, Formulas};
 
 /// Why no log can be drawn.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -52,7 +51,7 @@ pub fn simulate(problem: &Problem, seed: Option<u64>) -> Result<Log, SimulateErr
 }
 
 /// The realisations of this range, which need not end where `[simulate]` does: those after it are fresh ones.
-pub(super) fn realisations(problem: &Problem, seed: Option<u64>, range: Range<usize>) -> Result<Log, SimulateError> {
+pub(crate) fn realisations(problem: &Problem, seed: Option<u64>, range: Range<usize>) -> Result<Log, SimulateError> {
     let spec =
         problem.simulate.as_ref().ok_or_else(|| SimulateError::NoTable { source_name: problem.source.clone() })?;
     let mut system = System::new(problem, spec)?;

@@ -1,7 +1,8 @@
 //! Objectives that need the true states: `rmse`, `distance`, `nees`.
 
-use super::Objective;
-use crate::filter::{Place, Pools, Scoring, Traced};
+use super::{Pools, Scoring, Traced};
+use crate::filter::Place;
+use crate::objective::Objective;
 
 /// 1 where the truth of all `columns` is known, else 0.
 fn known(place: Place<'_>, columns: &[Option<usize>], skip: usize) -> f64 {

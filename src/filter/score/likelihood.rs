@@ -1,7 +1,7 @@
 //! `nll`: negative log-likelihood by the prediction error decomposition (Schweppe 1965, doi 10.1109/TIT.1965.1053737).
 
-use super::Objective;
-use crate::filter::{Pools, Scoring, Traced};
+use super::{Pools, Scoring, Traced};
+use crate::objective::Objective;
 use std::f64::consts::TAU;
 
 /// Sums: that of NIS, then ln det S in pieces.

@@ -1,7 +1,7 @@
 //! Objectives of the innovations: `mse_innovation`, `nis`, and what others share with them.
 
-use super::Objective;
-use crate::filter::{Pools, Scoring, Sum, Traced};
+use super::{Pools, Scoring, Sum, Traced};
+use crate::objective::Objective;
 
 /// The sum of NIS over the rows that score.
 pub(super) fn nis_sum(objective: &Objective, scoring: &mut Scoring<'_>) -> Sum {

@@ -131,7 +131,7 @@ pub(super) fn file(path: &Path, problem: &Problem, log: &Log, origin: &Origin) -
         "cannot keep a checkpoint in {}: it is no file (name one that can be read again)",
         path.display()
     );
-    let log_file = if let Origin::File(file) = origin { Some(file) } else { None };
+    let log_file = origin.file();
     let source = Source {
         problem: problem.source.clone(),
         text: problem.text.clone(),

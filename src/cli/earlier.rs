@@ -80,7 +80,7 @@ impl Owner {
     /// Whether it is the same problem file, or another for the same log: runs that one compares.
     fn is_same(&self, problem: &Problem, origin: &Origin) -> bool {
         let same = |a: &str, b: &Path| Path::new(a) == b || paths::are_one(Path::new(a), b);
-        let log = || matches!(origin, Origin::File(log) if same(&self.log.source, log));
+        let log = || origin.file().is_some_and(|log| same(&self.log.source, log));
         same(&self.problem, Path::new(&problem.source)) || log()
     }
 }

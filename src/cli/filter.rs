@@ -1,6 +1,6 @@
 //! `kfgpu filter`: one run of one filter.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use serde::Serialize;
@@ -94,7 +94,7 @@ impl Filter {
             (!self.json || self.out.is_some()).then(|| Destination::prepare(self.out.as_deref())).transpose()?;
         let loaded = load::load(Some(&self.problem), self.data.as_deref(), console)?;
         let (problem, log) = (&loaded.problem, &loaded.log);
-        let read: Vec<&Path> = loaded.origin.file().into_iter().chain([self.problem.as_path()]).collect();
+        let read = [Some(self.problem.as_path()), loaded.origin.file(), self.parameters.as_deref()];
         paths::ensure_not_read(self.out.as_deref(), &read)?;
         let figures = self.figures.as_deref().map(OutFolder::prepare).transpose()?;
         if !self.force {

@@ -37,7 +37,7 @@ impl Init {
             files::print(&self.draft(&self.log, console)?)?;
             return Ok(Ending::Done);
         };
-        paths::ensure_not_read(Some(out), &[&self.log])?;
+        paths::ensure_not_read(Some(out), &[Some(&self.log)])?;
         ensure!(self.force || !out.exists(), "{} exists (give --force to replace it)", out.display());
         let text = self.draft(&paths::seen_from(files::folder_of(out), &self.log), console)?;
         files::write_whole(out, |file| Ok(file.write_all(text.as_bytes())?))?;

@@ -47,8 +47,7 @@ impl Output {
         let own = folder.as_ref().map(|folder| folder.path().join(checkpoint::NAME));
         let path = asked.checkpoint.map(Path::to_path_buf).or_else(|| own.clone());
         let path = path.or_else(|| Some(resumed?.file().to_path_buf()));
-        let source = Path::new(&problem.source);
-        let read: Vec<&Path> = origin.file().into_iter().chain([source]).collect();
+        let read = [Some(Path::new(&problem.source)), origin.file()];
         paths::ensure_not_read(asked.checkpoint, &read)?;
         if let (Some(folder), Some(own)) = (&folder, &own)
             && !own.exists()

@@ -31,9 +31,8 @@ pub(super) fn are_one(a: &Path, b: &Path) -> bool {
 }
 
 /// Refuses to write over what the command reads; `--force` is for other files.
-pub(super) fn ensure_not_read(out: Option<&Path>, inputs: &[&Path]) -> anyhow::Result<()> {
-    let is_read = |out: &Path| out.exists() && inputs.iter().any(|input| are_one(out, input));
-    match out.filter(|out| is_read(out)) {
+pub(super) fn ensure_not_read(out: Option<&Path>, inputs: &[Option<&Path>]) -> anyhow::Result<()> {
+    match out.filter(|out| inputs.iter().flatten().any(|input| are_one(out, input))) {
         Some(out) => bail!("{} is read by this command and would be replaced (choose another name)", out.display()),
         None => Ok(()),
     }

@@ -24,15 +24,15 @@ pub(super) struct Simulate {
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 
-    /// Replace the file of --out if it exists (default: keep an earlier table under a number, and refuse any
-    /// other file).
+    /// Replace the file of --out if it exists (default: keep an earlier table under a number, and refuse any other
+    /// file).
     #[arg(long)]
     force: bool,
 }
 
 impl Simulate {
     pub(super) fn run(&self, console: Console) -> anyhow::Result<Ending> {
-        paths::ensure_not_read(self.out.as_deref(), &[&self.problem])?;
+        paths::ensure_not_read(self.out.as_deref(), &[Some(&self.problem)])?;
         let mut destination = Destination::prepare(self.out.as_deref())?;
         let problem = Problem::open(&self.problem)?;
         memory::ensure_log_fits(&problem)?;

@@ -3,7 +3,7 @@
 use super::block::{Blocks, Rounded, Totals, instruction_set};
 use super::{Device, Evaluation, Evaluator, Population, Precision, Status, scored, single};
 use crate::data::Log;
-use crate::filter::{Form, Program, TraceError, trace, trace_as};
+use crate::filter::{Form, Program, TraceError, trace_as};
 use crate::model::Problem;
 use crate::objective::Objective;
 use crate::words::counted;
@@ -113,9 +113,7 @@ impl CpuEvaluator {
             (Precision::F64, form) => trace_as(problem, log, objectives, None, form),
             (Precision::F32, None) => single::program(problem, log, objectives, None),
             (Precision::F32, form) => {
-                let double = trace(problem, log, &[], None)?;
-                let nominal = double.nominal(&problem.parameters.baseline());
-                trace_as(problem, log, objectives, Some(nominal), form)
+                trace_as(problem, log, objectives, Some(single::nominal(problem, log, None)?), form)
             }
         }
     }

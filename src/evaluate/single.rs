@@ -2,11 +2,11 @@
 
 use super::{CpuEvaluator, CpuOptions, Evaluation, Evaluator, Population, Precision};
 use crate::data::Log;
-use crate::filter::{Program, TraceError, probed, scattered, trace};
+use crate::filter::{Nominal, Program, TraceError, probed, scattered, trace};
 use crate::model::Problem;
 use crate::objective::Objective;
 
-/// The deviation form around the baseline's run by `double`, a program of the same problem in f64 (traced here where there
+/// The deviation form around the baseline's run by `double`, the program of the same objectives in f64 (traced here where there
 /// is none).
 ///
 /// Where P grows over long stretches without measurements, the costs of the baseline and of candidates at and between the
@@ -20,16 +20,27 @@ pub(super) fn program(
     objectives: &[Objective],
     double: Option<&Program>,
 ) -> Result<Program, TraceError> {
-    let baseline = problem.parameters.baseline();
-    let nominal = match double {
-        Some(double) => double.nominal(&baseline),
-        None => trace(problem, log, &[], None)?.nominal(&baseline),
-    };
-    let single = trace(problem, log, objectives, Some(nominal))?;
-    if single.anchored && !baseline.is_empty() {
-        hold(problem, objectives, &single, trace(problem, log, objectives, None)?)?;
+    let single = trace(problem, log, objectives, Some(nominal(problem, log, double)?))?;
+    if single.anchored && problem.parameters.dimension() > 0 {
+        let double = match double {
+            Some(double) => double.clone().constrained(&[]),
+            None => trace(problem, log, objectives, None)?,
+        };
+        hold(problem, objectives, &single, double)?;
     }
     Ok(single)
+}
+
+/// The baseline's run by `double`, or by a program that scores nothing.
+///
+/// # Errors
+/// If the filter cannot be traced.
+pub(super) fn nominal(problem: &Problem, log: &Log, double: Option<&Program>) -> Result<Nominal, TraceError> {
+    let baseline = problem.parameters.baseline();
+    Ok(match double {
+        Some(double) => double.nominal(&baseline),
+        None => trace(problem, log, &[], None)?.nominal(&baseline),
+    })
 }
 
 /// Candidates between the bounds.

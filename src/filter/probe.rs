@@ -1,8 +1,8 @@
 //! What runs of a few candidates in f64 say before a search: how far an update takes P down, which is what subtraction loses,
 //! and the track of the baseline.
 //!
-//! P grows in the middle of a log where nothing is measured for long, or where H is next to nothing, as at a diffuse start. Only logs in which something
-//! comes back into sight after a gap, or starts that are diffuse, are looked at.
+//! P grows in the middle of a log where nothing is measured for long, or where H is next to nothing, as at a diffuse start.
+//! Only logs in which something comes back into sight after a gap, or starts that are diffuse, are looked at.
 
 use super::columns::Rows;
 use super::covariance::Covariance;
@@ -12,9 +12,10 @@ use super::kalman::Recursion;
 use super::program::{Program, Role};
 use super::trace::trace_rows;
 use super::tracer::Tracer;
-use crate::model::{Parameters, Problem, Scale, Search};
+use crate::model::{Parameters, Problem, Search};
 use crate::tape::lanes::{Register, run_apart};
 use crate::tape::{Graph, Id};
+use std::f64::consts::PI;
 
 /// Candidates side by side.
 const LANES: usize = 8;
@@ -203,15 +204,8 @@ pub(crate) fn probed(parameters: &Parameters) -> Vec<Vec<f64>> {
 /// So many candidates all over the ranges of the first population, on the scale of each parameter: multiples of irrational
 /// numbers fill them evenly (Weyl 1916, doi:10.1007/BF01475864).
 pub(crate) fn scattered(parameters: &Parameters, count: usize) -> Vec<Vec<f64>> {
-    let value = |number: usize, (i, search): (usize, &Search)| {
-        let ([low, high], irrational) = (search.init, (i as f64 + 2.0).sqrt() * std::f64::consts::PI);
-        let share = (number as f64 * irrational).fract();
-        match search.scale {
-            Scale::Log => low * (high / low).powf(share),
-            Scale::Linear => low + share * (high - low),
-        }
-    };
-    let candidate = |k| parameters.searched().map(|(_, search)| search).enumerate().map(|at| value(k, at)).collect();
+    let share = |number: usize, i: usize| (number as f64 * (i as f64 + 2.0).sqrt() * PI).fract();
+    let candidate = |k| parameters.searched().enumerate().map(|(i, (_, search))| search.at(share(k, i))).collect();
     (1..=count).map(candidate).collect()
 }
 

@@ -56,11 +56,18 @@ impl Search {
     /// The start, or where none is given the middle of `init` on the parameter's scale.
     #[must_use]
     pub fn start_or_middle(&self) -> f64 {
+        self.start.unwrap_or_else(|| self.at(0.5))
+    }
+
+    /// The value at this share of the way through `init`, on the parameter's scale.
+    #[must_use]
+    pub fn at(&self, share: f64) -> f64 {
         let [low, high] = self.init;
-        self.start.unwrap_or(match self.scale {
-            Scale::Linear => 0.5 * (low + high),
-            Scale::Log => (0.5 * (low.ln() + high.ln())).exp(),
-        })
+        let between = |low: f64, high: f64| (1.0 - share) * low + share * high;
+        match self.scale {
+            Scale::Linear => between(low, high),
+            Scale::Log => between(low.ln(), high.ln()).exp(),
+        }
     }
 }
 

@@ -154,7 +154,7 @@ pub fn run<T: Lane, const C: usize, const B: usize>(
     }
 }
 
-/// [`run`] outside the time loop: not inlined, so each shape of register is compiled once and not once an instruction set.
+/// [`run`] outside the evaluator's time loop: not inlined, so that each shape of register is compiled once.
 ///
 /// # Panics
 /// As [`run`].

@@ -185,6 +185,10 @@ fn an_input_is_no_output() {
         );
     }
     folder.write("tuned.toml", &problem);
+    let message = folder
+        .run(&["filter", "problem.toml", "--parameters", "tuned.toml", "--out", "tuned.toml", "--force"])
+        .refusal();
+    assert!(message.contains("tuned.toml is read by this command"), "{message}");
     let message = folder.run(&["tune", "tuned.toml", "--generations", "1", "--out", "."]).refusal();
     assert!(message.contains("tuned.toml is read by this command"), "{message}");
     assert_eq!(folder.read("tuned.toml"), problem);

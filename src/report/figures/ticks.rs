@@ -131,10 +131,12 @@ fn round_step(least: f64, whole: bool) -> f64 {
     if whole { step.max(1.0) } else { step }
 }
 
-/// A round value between or near `low` and `high`, for labels to count from.
+/// A round value between or near `low` and `high`, for labels to count from. Powers of ten from 1 on are exact and those
+/// below are not, so that it is divided by one where it has decimals.
 fn common(low: f64, high: f64) -> f64 {
-    let decade = 10f64.powf((high - low).log10().ceil());
-    (f64::midpoint(low, high) / decade).round() * decade
+    let (power, middle) = ((high - low).log10().ceil() as i32, f64::midpoint(low, high));
+    let decade = 10f64.powi(power.abs());
+    if power < 0 { (middle * decade).round() / decade } else { (middle / decade).round() * decade }
 }
 
 /// The power of ten, a multiple of three, that is taken out of labels up to `size`.
@@ -215,13 +217,14 @@ mod tests {
     #[test]
     fn labels_are_round_and_short() {
         let axis = Axis::new("x").unit("m");
-        let cases: [([f64; 2], &str, &str); 6] = [
+        let cases: [([f64; 2], &str, &str); 7] = [
             ([0.0, 10.0], "0 2 4 6 8 10", "x [m]"),
             ([-1.0, 1.0], "−1.0 −0.5 0.0 0.5 1.0", "x [m]"),
             ([0.0, 4e-12], "0 1 2 3 4", "x [1e-12 m]"),
             ([-2e9, 2e9], "−2 −1 0 1 2", "x [1e9 m]"),
             ([1.7e9, 1.7e9 + 40.0], "0 10 20 30 40", "x − 1700000000 [m]"),
             ([400.0, 1600.0], "500 1000 1500", "x [m]"),
+            ([8.088_991e-3, 8.089_009e-3], "−5 0 5", "x − 0.008089 [1e-9 m]"),
         ];
         for (data, expected, name) in cases {
             let (found, named) = labels(&axis, data);

@@ -54,7 +54,7 @@ fn the_supported_table_has_what_the_registries_have() {
         assert_eq!(supported(&readme, what), expected, "README, row {what}");
     };
     check("models", built_in_models().collect());
-    check("filters", FilterKind::NAMES.into_iter().collect());
+    check("filters", FilterKind::NAMES.to_vec());
     check("functions", Function::ALL.iter().map(|(name, _)| *name).collect());
     check("objectives", Kind::ALL.iter().map(|(name, _)| *name).collect());
     check("optimisers", ALGORITHMS.iter().map(|row| row.name).collect());
@@ -76,7 +76,7 @@ fn the_problem_file_page_names_every_model_filter_function_objective_and_optimis
     let page = read("docs/problem-file.md");
     let named = quoted(&page);
     let names = built_in_models()
-        .chain(FilterKind::NAMES)
+        .chain(FilterKind::NAMES.iter().copied())
         .chain(Function::ALL.iter().map(|(name, _)| *name))
         .chain(Kind::ALL.iter().map(|(name, _)| *name))
         .chain(ALGORITHMS.iter().map(|row| row.name));

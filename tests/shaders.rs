@@ -30,7 +30,7 @@ fn validate(source: &str) -> Result<ModuleInfo, String> {
 fn source(case: &Case, precision: Precision) -> Result<String, GpuError> {
     let options = CpuOptions { precision, threads: None };
     let evaluator = CpuEvaluator::new(&case.problem, &case.log, options)?;
-    assemble(evaluator.program(), precision)
+    assemble(evaluator.program())
 }
 
 /// A step with an exponential of what varies from row to row and from candidate to candidate.
@@ -90,11 +90,12 @@ fn the_kernel_of_a_shipped_problem_has_its_whole_step() {
         let options = CpuOptions { precision: Precision::F32, threads: None };
         let evaluator = CpuEvaluator::new(&case.problem, &case.log, options).unwrap();
         let program = evaluator.program();
-        let source = assemble(program, Precision::F32).unwrap();
+        let source = assemble(program).unwrap();
         validate(&source).unwrap();
         // One `let` an operation, and no mark of the skeleton is left.
         let lets = source.lines().filter(|line| line.trim_start().starts_with("let ")).count();
-        assert!(lets >= program.step.operations.len(), "{name}: {lets} of {}", program.step.operations.len());
+        let operations: usize = program.steps().iter().map(|step| step.tape().operations.len()).sum();
+        assert!(lets >= operations, "{name}: {lets} of {operations}");
         assert!(!source.lines().any(|line| line.trim_start().starts_with("//#")), "{name}: {source}");
     }
 }

@@ -138,7 +138,7 @@ pub(super) fn measure(options: &Options, prepared: &Prepared) -> Result<Report, 
         std::hint::black_box(evaluation);
         Ok(kernel)
     })?;
-    let (engine, counts) = (engine.description(), engine.program().step.counts());
+    let (engine, counts) = (engine.description(), engine.program().counts());
     Ok(Measured { options, prepared, compile, first_call, times, scores, engine, counts }.report())
 }
 

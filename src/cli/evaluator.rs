@@ -7,7 +7,7 @@ use anyhow::ensure;
 use super::console::Console;
 use super::options::{Compute, DeviceChoice};
 use crate::data::Log;
-use crate::evaluate::{CpuEvaluator, CpuOptions, Device, Evaluation, Evaluator, Population, Precision};
+use crate::evaluate::{CpuEvaluator, CpuOptions, Device, Evaluation, Evaluator, Population};
 use crate::filter::{Program, trace};
 use crate::model::Problem;
 
@@ -73,7 +73,7 @@ impl Chosen {
             "--adapter names a GPU and --device cpu asks for none (leave one of them out)"
         );
         let double = trace(problem, log, &problem.tune.scorers(), None)?.constrained(&problem.tune.constraints);
-        if !asked && (compute.device == DeviceChoice::Cpu || work(&double, log, candidates) < GPU_PAYS) {
+        if !asked && (compute.device == DeviceChoice::Cpu || work(&double, candidates) < GPU_PAYS) {
             let evaluator = Box::new(CpuEvaluator::with_double(problem, log, &double, compute.cpu())?);
             return Ok(Self { evaluator, double, notices });
         }
@@ -93,7 +93,7 @@ impl Chosen {
 
     /// An evaluator on the CPU in f64, which has nothing left to trace.
     pub(super) fn in_f64(&self, options: CpuOptions) -> CpuEvaluator {
-        CpuEvaluator::of_program(self.double.clone(), CpuOptions { precision: Precision::F64, ..options })
+        CpuEvaluator::of_program(self.double.clone(), options.threads)
     }
 
     /// Says where the costs of a resumed search come from, if that is another kind of device than before.
@@ -137,8 +137,8 @@ pub(super) const fn adapter_of(_description: &str) -> Option<String> {
     None
 }
 
-/// Rows x candidates x operations of a step.
+/// Operations of so many candidates' runs over the log.
 #[expect(clippy::cast_precision_loss, reason = "an estimate")]
-fn work(program: &Program, log: &Log, candidates: f64) -> f64 {
-    log.rows() as f64 * candidates * program.step.operations.len() as f64
+fn work(program: &Program, candidates: f64) -> f64 {
+    candidates * program.operations() as f64
 }

@@ -31,7 +31,7 @@ impl Shader {
         let options = CpuOptions { precision, ..CpuOptions::default() };
         let (problem, log) = (&loaded.problem, &loaded.log);
         let evaluator = CpuEvaluator::new(problem, log, options)?;
-        files::print(&crate::evaluate::gpu::assemble(evaluator.program(), precision)?)?;
+        files::print(&crate::evaluate::gpu::assemble(evaluator.program())?)?;
         Ok(Ending::Done)
     }
 }

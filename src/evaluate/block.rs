@@ -1,17 +1,17 @@
 //! One block of candidates through the whole log.
 
 use super::Status;
-use crate::filter::{Program, Role};
+use crate::filter::{Initial, Program, Role, Step};
 use crate::tape::lanes::{Lane, Register, run};
 use multiversion::multiversion;
 use std::sync::Arc;
 
-/// A program whose numbers are rounded to the lane's precision, once.
+/// A program, and its numbers rounded to the lane's precision, once.
 #[derive(Debug)]
 pub(super) struct Rounded<T> {
     pub(super) program: Program,
-    record: Vec<T>,
-    constants: Vec<T>,
+    /// Record and constants of each step.
+    steps: Vec<(Arc<Vec<T>>, Vec<T>)>,
 }
 
 /// Totals and status of the candidates of a block.
@@ -23,12 +23,11 @@ pub(super) struct Totals {
     pub(super) status: Vec<Status>,
 }
 
-impl<T: Lane> Rounded<T> {
-    pub(super) fn new(mut program: Program) -> Self {
-        let round = |values: &[f64]| values.iter().map(|v| T::from_f64(*v)).collect();
-        let (record, constants) = (round(&program.record), round(&program.constants));
-        program.record = Arc::default();
-        Self { program, record, constants }
+impl<T: Blocks> Rounded<T> {
+    pub(super) fn new(program: Program) -> Self {
+        let round =
+            |step: &Step| (T::rounded(step.record()), step.constants().iter().map(|v| T::from_f64(*v)).collect());
+        Self { steps: program.steps().iter().map(round).collect(), program }
     }
 }
 
@@ -36,23 +35,23 @@ impl<T: Lane> Rounded<T> {
 #[inline(always)]
 fn run_block<T: Lane, const C: usize, const B: usize>(rounded: &Rounded<T>, candidates: &[f64]) -> Totals {
     let program = &rounded.program;
-    let d = program.parameters.max(1);
+    let d = program.parameters().max(1);
     let n = candidates.len() / d;
     let width = program.totals();
     let folded = program.folded();
     let mut totals = Totals { folded: vec![0.0; n * folded], status: vec![Status::OK; n] };
     let mut of_lane = vec![0.0; width];
-    let mut registers = vec![Register::<T, C, B>::splat(T::ZERO); program.step.registers];
-    let mut prologue = vec![Register::<f64, C, B>::splat(0.0); program.prologue.registers];
-    for (t, span) in program.spans.iter().enumerate() {
+    let mut registers = vec![Register::<T, C, B>::splat(T::ZERO); program.registers()];
+    let mut prologue = vec![Register::<f64, C, B>::splat(0.0); program.prologue().registers];
+    for (t, span) in program.spans().iter().enumerate() {
         for lane in 0..B * C {
             let candidate = &candidates[lane.min(n - 1) * d..][..d];
             candidate.iter().enumerate().for_each(|(p, v)| prologue[p].lanes_mut()[lane] = *v);
         }
-        run(&program.prologue.operations, &mut prologue, &span.scalars);
+        run(&program.prologue().operations, &mut prologue, &span.scalars);
         start(program, &prologue, &mut registers);
         let mut sums = vec![Register::<f64, C, B>::splat(0.0); width];
-        run_rows(rounded, span.rows.clone(), &mut registers, &mut sums);
+        run_rows(rounded, t, &mut registers, &mut sums);
         finish(program, &registers, &mut sums);
         let failed = failures(program, &registers, &sums);
         for lane in 0..n {
@@ -66,44 +65,42 @@ fn run_block<T: Lane, const C: usize, const B: usize>(rounded: &Rounded<T>, cand
     totals
 }
 
-/// States and invariants from the prologue, rounded once; sums at 0, products and the check at 1.
+/// What the registers hold before the first row, rounded once.
 #[inline(always)]
 fn start<T: Lane, const C: usize, const B: usize>(
     program: &Program,
     prologue: &[Register<f64, C, B>],
     registers: &mut [Register<T, C, B>],
 ) {
-    let mut results = prologue[program.parameters..].iter();
-    let mut take = |register: &mut Register<T, C, B>| {
-        let Some(result) = results.next() else { return };
-        register.lanes_mut().iter_mut().zip(result.lanes()).for_each(|(to, from)| *to = T::from_f64(*from));
-    };
-    for (carried, register) in program.carried.iter().zip(&mut *registers) {
-        match carried.role {
-            Role::State => take(register),
-            Role::Sum => register.lanes_mut().fill(T::ZERO),
-            Role::Product | Role::Check => register.lanes_mut().fill(T::ONE),
+    for (register, initial) in registers.iter_mut().zip(program.initial()) {
+        match initial {
+            Initial::Number(value) => register.lanes_mut().fill(T::from_f64(value)),
+            Initial::Result(result) => {
+                let lanes = register.lanes_mut().iter_mut().zip(prologue[result].lanes());
+                lanes.for_each(|(to, from)| *to = T::from_f64(*from));
+            }
         }
     }
-    registers[program.carried.len()..][..program.invariants].iter_mut().for_each(take);
 }
 
 /// The time loop. Sums are moved to f64 every [`Program::BLOCK`] rows, exponents of products every few.
 #[inline(always)]
 fn run_rows<T: Lane, const C: usize, const B: usize>(
-    rounded: &Rounded<T>,
-    rows: std::ops::Range<usize>,
+    Rounded { program, steps }: &Rounded<T>,
+    t: usize,
     registers: &mut [Register<T, C, B>],
     sums: &mut [Register<f64, C, B>],
 ) {
-    let Rounded { program, record, constants } = rounded;
-    let columns = program.columns;
-    let mut scalars: Vec<T> = vec![T::ZERO; columns];
-    scalars.extend_from_slice(constants);
+    let mut scalars: Vec<Vec<T>> = program.steps().iter().map(|step| vec![T::ZERO; step.columns()]).collect();
+    scalars.iter_mut().zip(steps).for_each(|(scalars, (_, constants))| scalars.extend_from_slice(constants));
     let mut exponents = vec![Register::<T, C, B>::splat(T::ZERO); sums.len()];
-    for (k, row) in rows.enumerate() {
-        scalars[..columns].copy_from_slice(&record[row * columns..(row + 1) * columns]);
-        run(&program.step.operations, registers, &scalars);
+    let mut cursor = program.cursor(t);
+    for (k, row) in program.spans()[t].rows.clone().enumerate() {
+        let (kind, place) = cursor.next(row);
+        let (step, scalars) = (&program.steps()[kind], &mut scalars[kind]);
+        let columns = step.columns();
+        scalars[..columns].copy_from_slice(&steps[kind].0[place * columns..(place + 1) * columns]);
+        run(&step.tape().operations, registers, scalars);
         if (k + 1) % T::STEPS_PER_SPLIT == 0 {
             split_products(program, registers, &mut exponents);
         }
@@ -116,7 +113,7 @@ fn run_rows<T: Lane, const C: usize, const B: usize>(
 
 /// Slots with their register and role, in the order of [`Program::totals`].
 fn slots(program: &Program) -> impl Iterator<Item = (usize, Role)> + '_ {
-    let carried = program.carried.iter().enumerate();
+    let carried = program.carried().iter().enumerate();
     carried.filter(|(_, c)| matches!(c.role, Role::Sum | Role::Product)).map(|(i, c)| (i, c.role))
 }
 
@@ -183,7 +180,7 @@ fn failures<T: Lane, const C: usize, const B: usize>(
         let lanes = failed.lanes_mut().iter_mut().zip(sum.lanes());
         lanes.for_each(|(failed, sum)| *failed |= role == Role::Product && !sum.is_finite());
     }
-    for (carried, register) in program.carried.iter().zip(registers) {
+    for (carried, register) in program.carried().iter().zip(registers) {
         let lanes = failed.lanes_mut().iter_mut().zip(register.lanes());
         lanes.for_each(|(failed, check)| *failed |= carried.role == Role::Check && *check <= T::ZERO);
     }
@@ -212,6 +209,8 @@ versions! {
 
 /// A lane type with its block sizes.
 pub(super) trait Blocks: Lane {
+    /// A record in this format.
+    fn rounded(record: &Arc<Vec<f64>>) -> Arc<Vec<Self>>;
     /// Candidates of the widest block of a program: the registers in use should stay in a core's first cache.
     fn widest(program: &Program) -> usize;
     /// Runs a block of at most [`Self::widest`] candidates, in the narrowest that holds them.
@@ -223,12 +222,16 @@ pub(super) trait Blocks: Lane {
 const WIDE_REGISTERS: usize = 48;
 
 impl Blocks for f64 {
+    fn rounded(record: &Arc<Vec<f64>>) -> Arc<Vec<Self>> {
+        Arc::clone(record)
+    }
+
     fn widest(program: &Program) -> usize {
-        if program.step.registers <= WIDE_REGISTERS { 128 } else { 64 }
+        if program.registers() <= WIDE_REGISTERS { 128 } else { 64 }
     }
 
     fn run(rounded: &Rounded<Self>, candidates: &[f64]) -> Totals {
-        match candidates.len() / rounded.program.parameters.max(1) {
+        match candidates.len() / rounded.program.parameters().max(1) {
             0..=8 => f64_8(rounded, candidates),
             9..=16 => f64_16(rounded, candidates),
             17..=64 => f64_64(rounded, candidates),
@@ -238,12 +241,16 @@ impl Blocks for f64 {
 }
 
 impl Blocks for f32 {
+    fn rounded(record: &Arc<Vec<f64>>) -> Arc<Vec<Self>> {
+        Arc::new(record.iter().map(|v| Self::from_f64(*v)).collect())
+    }
+
     fn widest(program: &Program) -> usize {
-        if program.step.registers <= WIDE_REGISTERS { 256 } else { 128 }
+        if program.registers() <= WIDE_REGISTERS { 256 } else { 128 }
     }
 
     fn run(rounded: &Rounded<Self>, candidates: &[f64]) -> Totals {
-        match candidates.len() / rounded.program.parameters.max(1) {
+        match candidates.len() / rounded.program.parameters().max(1) {
             0..=16 => f32_16(rounded, candidates),
             17..=128 => f32_128(rounded, candidates),
             _ => f32_256(rounded, candidates),
@@ -275,7 +282,7 @@ mod tests {
     use std::path::Path;
 
     /// Candidates of (q, r) for two of the examples, with every objective and gaps in the log.
-    fn rounded<T: Lane>() -> Rounded<T> {
+    fn rounded<T: Blocks>() -> Rounded<T> {
         let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/matlab_plant.toml"));
         let text = text.unwrap().replace("steps = 500", "steps = 90\nmissing = 0.2\ntrajectories = 2");
         let problem = Problem::parse(&text, "plant.toml").unwrap();

@@ -58,7 +58,7 @@ impl CpuEvaluator {
     /// If the filter cannot be traced.
     pub fn new(problem: &Problem, log: &Log, options: CpuOptions) -> Result<Self, BuildError> {
         let program = Self::trace(problem, log, &problem.tune.scorers(), options.precision, None)?;
-        Ok(Self::of_program(program.constrained(&problem.tune.constraints), options))
+        Ok(Self::of_program(program.constrained(&problem.tune.constraints), options.threads))
     }
 
     /// An evaluator of other objectives, without constraints.
@@ -85,7 +85,7 @@ impl CpuEvaluator {
         options: CpuOptions,
         form: Option<Form>,
     ) -> Result<Self, BuildError> {
-        Ok(Self::of_program(Self::trace(problem, log, objectives, options.precision, form)?, options))
+        Ok(Self::of_program(Self::trace(problem, log, objectives, options.precision, form)?, options.threads))
     }
 
     /// An evaluator of the problem's own objectives and constraints that shares what `double`, their program in f64, has
@@ -99,7 +99,7 @@ impl CpuEvaluator {
         double: &Program,
         options: CpuOptions,
     ) -> Result<Self, BuildError> {
-        Ok(Self::of_program(beside(problem, log, double, options.precision)?, options))
+        Ok(Self::of_program(beside(problem, log, double, options.precision)?, options.threads))
     }
 
     fn trace(
@@ -118,14 +118,14 @@ impl CpuEvaluator {
         }
     }
 
-    /// An evaluator that runs a traced program.
+    /// An evaluator that runs a traced program, in the precision that it is for.
     #[must_use]
-    pub fn of_program(program: Program, options: CpuOptions) -> Self {
-        let machine = match options.precision {
+    pub fn of_program(program: Program, threads: Option<NonZero<usize>>) -> Self {
+        let machine = match program.precision() {
             Precision::F64 => Machine::F64(Rounded::new(program)),
             Precision::F32 => Machine::F32(Rounded::new(program)),
         };
-        Self { machine, threads: options.threads.map_or_else(cores, NonZero::get), pool: None }
+        Self { machine, threads: threads.map_or_else(cores, NonZero::get), pool: None }
     }
 
     /// The program that runs.
@@ -151,7 +151,7 @@ impl CpuEvaluator {
         /// Lane operations a core does in about a millisecond.
         const OPERATIONS: usize = 4_000_000;
         let program = self.program();
-        let candidate = program.rows() * program.step.operations.len();
+        let candidate = program.operations();
         let narrow = population.div_ceil(self.threads).next_multiple_of(NARROWEST);
         if narrow < self.widest() && candidate * narrow >= OPERATIONS / 4 {
             return narrow;
@@ -162,7 +162,7 @@ impl CpuEvaluator {
     /// Scores and status of some candidates (row-major).
     fn score(&self, candidates: &[f64]) -> (Vec<f64>, Vec<Status>) {
         let program = self.program();
-        let (d, k) = (program.parameters.max(1), program.scorers());
+        let (d, k) = (program.parameters().max(1), program.scorers());
         let mut costs = vec![0.0; candidates.len() / d * k];
         let mut status = Vec::with_capacity(candidates.len() / d);
         let blocks = candidates.chunks(self.widest() * d).zip(costs.chunks_mut(self.widest() * k.max(1)));
@@ -177,7 +177,7 @@ impl CpuEvaluator {
             }
             status.extend(totals.status);
         }
-        for i in program.positivity.refused(candidates) {
+        for i in program.positivity().refused(candidates) {
             status[i] = status[i].union(Status::NOT_POSITIVE);
         }
         (costs, status)
@@ -185,7 +185,7 @@ impl CpuEvaluator {
 
     /// Scores tasks on the evaluator's threads.
     fn score_parallel(&mut self, values: &[f64], task: usize) -> Vec<(Vec<f64>, Vec<Status>)> {
-        let stride = task * self.program().parameters.max(1);
+        let stride = task * self.program().parameters().max(1);
         if self.pool.is_none() {
             self.pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build().ok();
         }
@@ -213,10 +213,7 @@ impl Evaluator for CpuEvaluator {
     }
 
     fn device(&self) -> Device {
-        let precision = match self.machine {
-            Machine::F32(_) => Precision::F32,
-            Machine::F64(_) => Precision::F64,
-        };
+        let precision = self.program().precision();
         Device {
             backend: "cpu".to_owned(),
             adapter: format!("{}, {}", instruction_set(), counted(self.threads, "thread")),

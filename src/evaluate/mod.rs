@@ -47,11 +47,11 @@ pub trait Evaluator {
 fn scored(program: &Program, parts: Vec<(Vec<f64>, Vec<Status>)>) -> Evaluation {
     let (scores, status): (Vec<_>, Vec<_>) = parts.into_iter().unzip();
     let (k, scores) = (program.objectives(), scores.concat());
-    if program.constraints.is_empty() {
+    if program.constraints().is_empty() {
         return Evaluation::new(k, scores, status.concat());
     }
     let rows = || scores.chunks_exact(program.scorers());
-    let violation = rows().map(|row| Constraint::total_violation(&program.constraints, &row[k..])).collect();
+    let violation = rows().map(|row| Constraint::total_violation(program.constraints(), &row[k..])).collect();
     let costs = rows().flat_map(|row| &row[..k]).copied().collect();
     Evaluation::new(k, costs, status.concat()).with_violation(violation)
 }

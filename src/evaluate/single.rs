@@ -1,6 +1,6 @@
 //! The program in single precision, tried where a log may be beyond it.
 
-use super::{CpuEvaluator, CpuOptions, Evaluation, Evaluator, Population, Precision};
+use super::{CpuEvaluator, Evaluation, Evaluator, Population, Precision};
 use crate::data::Log;
 use crate::filter::{Nominal, Program, TraceError, probed, scattered, trace};
 use crate::model::Problem;
@@ -21,7 +21,7 @@ pub(super) fn program(
     double: Option<&Program>,
 ) -> Result<Program, TraceError> {
     let single = trace(problem, log, objectives, Some(nominal(problem, log, double)?))?;
-    if single.anchored && problem.parameters.dimension() > 0 {
+    if single.anchored() && problem.parameters.dimension() > 0 {
         let double = match double {
             Some(double) => double.clone().constrained(&[]),
             None => trace(problem, log, objectives, None)?,
@@ -55,10 +55,8 @@ fn hold(problem: &Problem, objectives: &[Objective], single: &Program, double: P
     let (rows, mut candidates) = (double.rows(), probed(&problem.parameters));
     candidates.extend(scattered(&problem.parameters, SCATTERED));
     let population = Population::from_rows(problem.parameters.dimension(), candidates.concat());
-    let costs = |program: Program, precision| -> Evaluation {
-        CpuEvaluator::of_program(program, CpuOptions { precision, threads: None }).evaluate(&population)
-    };
-    let (single, double) = (costs(single.clone(), Precision::F32), costs(double, Precision::F64));
+    let costs = |program: Program| -> Evaluation { CpuEvaluator::of_program(program, None).evaluate(&population) };
+    let (single, double) = (costs(single.clone()), costs(double));
     for i in (0..population.len()).filter(|i| single.status(*i).is_ok() && double.status(*i).is_ok()) {
         for ((objective, found), expected) in objectives.iter().zip(single.costs(i)).zip(double.costs(i)) {
             let promised = objective.kind.resolution(Precision::F32, *expected, rows);

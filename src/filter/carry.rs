@@ -5,7 +5,7 @@
 //! if their initial values are one node; a step is traced with one leaf a class; entries of a class whose next values
 //! differ are parted, until none do. The last trace is the filter. A 3-D constant-velocity filter falls apart into three 2-state filters by this alone.
 
-use super::tracer::narrow;
+use super::carried::narrow;
 use crate::tape::{Graph, Id, Leaf, Node};
 use std::collections::HashMap;
 

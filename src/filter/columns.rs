@@ -3,127 +3,10 @@
 //! A column that never changes is a constant, and equal columns are one: what is constant over the log (dt, the missing
 //! pattern, a weight) is folded into the tape without anybody asking for it.
 
-use crate::data::{Log, Trajectory};
-use crate::model::{Problem, Start};
-use crate::tape::{Graph, Id, Leaf, Node};
-use std::collections::HashMap;
+use super::kinds::Kinds;
+use crate::tape::{Graph, Id, Leaf};
+use std::collections::{BTreeSet, HashMap};
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::ops::Range;
-
-/// The rows a filter runs over, trajectory after trajectory.
-#[derive(Debug, Clone)]
-pub(crate) struct Rows<'a> {
-    pub(super) log: &'a Log,
-    /// For each trajectory its first used row (rows before a start from a measurement are skipped).
-    pub(super) first: Vec<usize>,
-    /// Whether x0 comes from the measurement of the first used row, which then gets no update.
-    pub(super) from_measurement: bool,
-}
-
-impl<'a> Rows<'a> {
-    pub(super) fn new(problem: &Problem, log: &'a Log) -> Self {
-        let from_measurement = problem.model.x0 == Start::Measurement;
-        let start = |t: &Trajectory| (0..t.len()).find(|k| t.is_complete(*k)).unwrap_or(t.len());
-        let first = log.trajectories.iter().map(|t| if from_measurement { start(t) } else { 0 }).collect();
-        Self { log, first, from_measurement }
-    }
-
-    /// The rows of each trajectory, counted over the whole record.
-    pub(super) fn spans(&self) -> Vec<Range<usize>> {
-        let mut next = 0;
-        let lengths = self.log.trajectories.iter().zip(&self.first).map(|(t, first)| t.len() - first);
-        lengths
-            .map(|length| {
-                next += length;
-                next - length..next
-            })
-            .collect()
-    }
-
-    /// For each trajectory the interval after its first used row \[s\]; 1 where it has no row.
-    pub(super) fn first_intervals(&self) -> Vec<f64> {
-        let trajectories = self.log.trajectories.iter().zip(&self.first);
-        trajectories.map(|(t, first)| if *first < t.len() { interval(t, *first) } else { 1.0 }).collect()
-    }
-
-    /// Number of used rows.
-    pub(super) fn len(&self) -> usize {
-        self.log.trajectories.iter().zip(&self.first).map(|(t, first)| t.len() - first).sum()
-    }
-
-    /// The last `window` rows of each trajectory that update the filter, those before `skip` left out.
-    pub(crate) fn last_measured(&self, skip: usize, window: usize) -> Window {
-        let mut measured = vec![Vec::new(); self.log.trajectories.len()];
-        for place in self.places().filter(|place| place.k >= skip && place.components() > 0) {
-            measured[place.index].push(place.k);
-        }
-        let begin =
-            |rows: &Vec<usize>| rows.get(rows.len().saturating_sub(window.max(1))).copied().unwrap_or(usize::MAX);
-        Window(measured.iter().map(begin).collect())
-    }
-
-    /// Every used row of every trajectory.
-    pub(super) fn places(&self) -> impl Iterator<Item = Place<'_>> {
-        let trajectories = self.log.trajectories.iter().zip(&self.first).enumerate();
-        let from_measurement = self.from_measurement;
-        trajectories.flat_map(move |(index, (trajectory, &first))| {
-            (first..trajectory.len()).map(move |k| Place {
-                trajectory,
-                index,
-                k,
-                is_start: from_measurement && k == first,
-            })
-        })
-    }
-}
-
-/// For each trajectory the row from which its window of last measured rows begins.
-pub(crate) struct Window(Vec<usize>);
-
-impl Window {
-    /// Whether a row stands in the window (rows without a measurement may stand between those that count).
-    pub(crate) fn contains(&self, place: Place<'_>) -> bool {
-        place.k >= self.0[place.index]
-    }
-}
-
-/// One row of one trajectory.
-#[derive(Clone, Copy)]
-pub(crate) struct Place<'a> {
-    pub(super) trajectory: &'a Trajectory,
-    /// Which trajectory.
-    pub(crate) index: usize,
-    /// Row, counted from the trajectory's first row in the log.
-    pub(crate) k: usize,
-    /// Whether x0 comes from this row, which therefore gets no update.
-    is_start: bool,
-}
-
-impl Place<'_> {
-    /// Whether measurement `i` is present and updates the filter.
-    pub(crate) fn present(&self, i: usize) -> bool {
-        !self.is_start && !self.trajectory.z.row(self.k)[i].is_nan()
-    }
-
-    /// Number of present components.
-    pub(crate) fn components(&self) -> usize {
-        (0..self.trajectory.z.columns()).filter(|i| self.present(*i)).count()
-    }
-
-    /// Truth of column `i`, NaN where unknown.
-    pub(crate) fn truth(&self, i: usize) -> f64 {
-        self.trajectory.truth.row(self.k)[i]
-    }
-
-    /// Interval to the next row [s]; after the last row, where nothing is predicted any more, the one before it.
-    pub(super) fn dt(&self) -> f64 {
-        interval(self.trajectory, self.k)
-    }
-}
-
-fn interval(t: &Trajectory, k: usize) -> f64 {
-    t.dt(k).or_else(|| t.dt(k.checked_sub(1)?)).unwrap_or(1.0)
-}
 
 /// What a column holds. A column is filled once, however often a step is traced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -152,7 +35,19 @@ pub(super) enum Key {
     Weight(usize, usize),
 }
 
-/// What became of the values of a key.
+impl Key {
+    /// Whether a column of 0 and 1 under this key says what happens in a row.
+    const fn decides(self) -> bool {
+        match self {
+            Self::Input(_) | Self::Present(_) | Self::Measured | Self::Full(_) | Self::AfterGap | Self::Weight(..) => {
+                true
+            }
+            Self::Dt | Self::Measurement(_) | Self::Nominal(_) | Self::NextNominal(_) | Self::Truth(_) => false,
+        }
+    }
+}
+
+/// What became of some values.
 #[derive(Debug, Clone, Copy)]
 enum Found {
     Constant(f64),
@@ -164,14 +59,19 @@ enum Found {
 pub(super) struct Columns {
     data: Vec<Vec<f64>>,
     by_key: HashMap<Key, Found>,
+    /// The rows of a kind of a column over all rows.
+    parts: HashMap<(usize, u32), Found>,
     by_hash: HashMap<u64, Vec<u32>>,
     counts: HashMap<(usize, usize), Vec<f64>>,
+    pub(super) kinds: Kinds,
+    /// The kind whose rows are asked for; all rows without one.
+    kind: Option<usize>,
 }
 
 impl Columns {
-    /// The node of a column, whose values are asked for the first time only.
+    /// The node of a column, whose values over all used rows are asked for the first time only.
     pub(super) fn node(&mut self, g: &mut Graph, key: Key, values: impl FnOnce() -> Vec<f64>) -> Id {
-        let found = match self.by_key.get(&key) {
+        let whole = match self.by_key.get(&key) {
             Some(found) => *found,
             None => {
                 let found = self.register(values());
@@ -179,10 +79,49 @@ impl Columns {
                 found
             }
         };
+        let found = match (self.kind, whole) {
+            (Some(kind), Found::Column(column)) => self.part(kind, column),
+            _ => whole,
+        };
         match found {
             Found::Constant(value) => g.constant(value),
             Found::Column(column) => g.leaf(Leaf::Column(column)),
         }
+    }
+
+    /// From now on columns are those of the rows of a kind, where there are several.
+    pub(super) fn of_kind(&mut self, kind: usize) {
+        self.kind = (self.kinds.len() > 1).then_some(kind);
+    }
+
+    /// From now on columns are those of all rows.
+    pub(super) fn of_all(&mut self) {
+        self.kind = None;
+    }
+
+    /// Parts the rows by what the columns say that happens in them; whether there are several kinds.
+    pub(super) fn part_rows(&mut self, rows: usize, operations: usize) -> bool {
+        let deciding = self.by_key.iter().filter(|(key, _)| key.decides());
+        let columns = deciding.filter_map(|(_, found)| match found {
+            Found::Column(column) => Some(*column),
+            Found::Constant(_) => None,
+        });
+        // In the order of their columns, which a map does not keep.
+        let columns: BTreeSet<u32> = columns.collect();
+        let values = columns.iter().map(|column| self.data[*column as usize].as_slice());
+        let flags: Vec<&[f64]> = values.filter(|values| values.iter().all(|v| *v == 0.0 || *v == 1.0)).collect();
+        self.kinds = Kinds::by_flags(&flags, rows, operations).unwrap_or_default();
+        self.kinds.len() > 1
+    }
+
+    fn part(&mut self, kind: usize, column: u32) -> Found {
+        if let Some(found) = self.parts.get(&(kind, column)) {
+            return *found;
+        }
+        let values = self.kinds.part(kind, &self.data[column as usize]);
+        let found = self.register(values);
+        self.parts.insert((kind, column), found);
+        found
     }
 
     fn register(&mut self, values: Vec<f64>) -> Found {
@@ -194,8 +133,10 @@ impl Columns {
         let mut hasher = DefaultHasher::new();
         values.iter().for_each(|v| v.to_bits().hash(&mut hasher));
         let alike = self.by_hash.entry(hasher.finish()).or_default();
-        let equal = |c: &&u32| self.data[**c as usize].iter().zip(&values).all(|(a, b)| a.to_bits() == b.to_bits());
-        if let Some(column) = alike.iter().find(equal) {
+        let same = |column: &[f64]| {
+            column.len() == values.len() && column.iter().zip(&values).all(|(a, b)| a.to_bits() == b.to_bits())
+        };
+        if let Some(column) = alike.iter().find(|column| same(&self.data[**column as usize])) {
             return Found::Column(*column);
         }
         #[expect(clippy::cast_possible_truncation, reason = "a record has a handful of columns")]
@@ -205,16 +146,17 @@ impl Columns {
         Found::Column(column)
     }
 
-    /// Value of column `column` at row `row` of the record.
+    /// Value of column `column` in the `row`th of its rows.
     pub(super) fn value(&self, column: u32, row: usize) -> f64 {
         self.data[column as usize][row]
     }
 
-    /// Sum over all `rows` of a node that is a column or a constant.
-    pub(super) fn sum(&self, g: &Graph, id: Id, rows: usize) -> f64 {
-        match g.node(id) {
-            Node::Leaf(Leaf::Column(column)) => self.data[column as usize].iter().sum(),
-            _ => g.value(id).unwrap_or(f64::NAN) * count(rows),
+    /// Sum over all used rows, `rows` in number, of a key that is known.
+    pub(super) fn total(&self, key: Key, rows: usize) -> f64 {
+        match self.by_key.get(&key) {
+            Some(Found::Column(column)) => self.data[*column as usize].iter().sum(),
+            Some(Found::Constant(value)) => value * count(rows),
+            None => f64::NAN,
         }
     }
 
@@ -250,7 +192,8 @@ mod tests {
             let (other, constant) = (node(Key::Measurement(1), &[1.0, 3.0]), node(Key::Dt, &[0.5, 0.5]));
             assert!(z == equal && z != other, "by content");
             assert_eq!((g.value(constant), g.value(z)), (Some(0.5), None), "what never changes is a number");
-            assert_eq!([z, other, constant].map(|id| columns.sum(&g, id, 2)), [3.0, 4.0, 1.0]);
+            let keys = [Key::Measurement(0), Key::Measurement(1), Key::Dt];
+            assert_eq!(keys.map(|key| columns.total(key, 2)), [3.0, 4.0, 1.0]);
         }
         assert_eq!(asked, 4, "in the first round only");
     }

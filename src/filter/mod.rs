@@ -1,20 +1,28 @@
 //! Filters, traced: the recursion of a filter over a log becomes a [`Program`] of tapes.
 
-mod adaptive;
+mod assemble;
+mod carried;
 mod carry;
 mod columns;
-mod covariance;
 mod error;
-mod factored;
+mod evidence;
+mod family;
 mod form;
 mod formula;
-mod kalman;
+mod gaussian;
+mod kinds;
+mod listing;
+mod nodes;
 mod nominal;
 mod positivity;
-mod probe;
 mod program;
+mod rounds;
+mod row;
+mod rows;
 mod score;
 mod start;
+mod step;
+mod survey;
 mod symmetric;
 #[cfg(test)]
 mod tests;
@@ -23,13 +31,14 @@ mod tracer;
 mod track;
 mod units;
 
+pub use carried::{Carried, Role};
 pub use carry::Entry;
-pub(crate) use columns::Place;
 pub use error::TraceError;
 pub use form::Form;
 pub use nominal::Nominal;
 pub use positivity::Positivity;
-pub(crate) use probe::{probed, scattered};
-pub use program::{Carried, Program, Role, Span};
+pub use program::{Cursor, Initial, Program, Span, Step};
+pub(crate) use rows::Place;
+pub(crate) use survey::{probed, scattered};
 pub use trace::{trace, trace_as};
 pub use units::Units;

@@ -1,6 +1,6 @@
 //! The nominal track of the deviation form: f64, near every candidate's track, the same for all.
 
-use super::columns::Rows;
+use super::rows::Rows;
 
 /// Predicted states of one filter run in f64, one per used row.
 #[derive(Debug, Clone, PartialEq)]

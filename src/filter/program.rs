@@ -1,39 +1,16 @@
 //! A traced filter over a log, ready to run: the prologue, the step, and the record they read.
 
+use super::carried::{Carried, Role};
 use super::carry::Entry;
-use super::form::Form;
-use super::nominal::Nominal;
+use super::form::{Carrying, Form};
 use super::positivity::Positivity;
 use super::score::{Pools, Traced};
 use super::units::Units;
 use crate::objective::{Constraint, Objective};
-use crate::tape::{Names, Tape};
-use std::fmt::{self, Display, Formatter};
+use crate::precision::Precision;
+use crate::tape::Tape;
 use std::ops::Range;
 use std::sync::Arc;
-
-/// What becomes of a carried register.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Role {
-    /// An entry of x, of the covariance or of what is adapted: starts from the prologue, stays.
-    State,
-    /// A running sum: starts at 0, is moved to an f64 total every [`Program::BLOCK`] rows.
-    Sum,
-    /// A running product: starts at 1, its exponent is taken out every few rows; the total is its logarithm. It stays 0
-    /// once a factor was not positive.
-    Product,
-    /// 1 as long as the innovation variances that no product watches over were positive, -1 after one was not.
-    Check,
-}
-
-/// A register carried from row to row.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Carried {
-    /// `x.d`, `P.d.v` (or `U.d.v`, `D.d`), `sum0`, ...
-    pub name: String,
-    /// What becomes of it.
-    pub role: Role,
-}
 
 /// The rows of one trajectory, and the values its prologue reads.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,62 +19,228 @@ pub struct Span {
     pub rows: Range<usize>,
     /// Scalars of [`Program::prologue`].
     pub scalars: Vec<f64>,
+    /// For each kind how many of its rows come before those of this trajectory.
+    pub before: Vec<usize>,
+}
+
+/// What happens in the rows of one kind.
+#[derive(Debug, Clone)]
+pub struct Step {
+    /// Runs once a row.
+    pub(super) tape: Tape,
+    /// Number of columns of the record.
+    pub(super) columns: usize,
+    /// The other scalars of the tape: constants that follow the columns.
+    pub(super) constants: Vec<f64>,
+    /// Row-major f64 table, rows of this kind x columns: the scalars of the tape that change from row to row.
+    pub(super) record: Arc<Vec<f64>>,
+    /// Number of rows of this kind.
+    pub(super) rows: usize,
 }
 
 /// A traced filter over a log.
 ///
 /// For each trajectory the prologue turns a candidate into the carried states and the invariants (in f64, rounded once),
-/// and the step runs once a row. Carried registers come first, then invariants, then temporaries.
+/// and a step runs once a row: the one of its kind. Carried registers come first, then invariants, then temporaries.
+///
+/// It comes from [`trace`](super::trace()) alone, and is what that made of it.
 #[derive(Debug, Clone)]
 pub struct Program {
-    /// The form of the covariance that is carried.
-    pub form: Form,
-    /// Whether an update after a long gap takes P down so far that x is anchored to what is measured.
-    pub anchored: bool,
-    /// Once a trajectory, in f64: searched parameters in registers 0.., results behind them: states, then invariants.
-    pub prologue: Tape,
-    /// Number of searched parameters.
-    pub parameters: usize,
-    /// Once a row.
-    pub step: Tape,
-    /// The carried registers, in order.
-    pub carried: Vec<Carried>,
-    /// For each carried state whether its initial value depends on the candidate.
-    pub varies: Vec<bool>,
-    /// Number of invariants.
-    pub invariants: usize,
-    /// Row-major f64 table of the scalars of [`Self::step`] that change from row to row.
-    pub record: Arc<Vec<f64>>,
-    /// Number of columns of the record.
-    pub columns: usize,
-    /// The other scalars of the step: constants that follow the columns.
-    pub constants: Vec<f64>,
-    /// Trajectories.
-    pub spans: Vec<Span>,
-    /// Which candidates have covariances for Q, R and P0.
-    pub positivity: Positivity,
-    /// What the last scorers are held against: their values become violations, not costs.
-    pub constraints: Vec<Constraint>,
-    /// The units in which states and measurements stand in the step.
-    pub units: Units,
-    /// The nominal, in the deviation form, in the problem's own units.
-    pub nominal: Option<Nominal>,
-    /// Entries of the predicted x, then of the predicted covariance: the upper triangle of P, or D with U above it,
-    /// then of what an adaptive filter carries.
-    pub entries: Vec<Entry>,
-    pub(super) names: Vec<String>,
+    pub(super) precision: Precision,
+    pub(super) carrying: Carrying,
+    pub(super) prologue: Tape,
+    pub(super) parameters: usize,
+    pub(super) steps: Vec<Step>,
+    /// The step of each row; empty where there is one.
+    pub(super) kinds: Vec<u8>,
+    pub(super) carried: Vec<Carried>,
+    pub(super) varies: Vec<bool>,
+    pub(super) invariants: usize,
+    pub(super) spans: Vec<Span>,
+    pub(super) positivity: Positivity,
+    pub(super) constraints: Vec<Constraint>,
+    pub(super) units: Units,
+    pub(super) entries: Vec<Entry>,
     pub(super) parameter_names: Vec<String>,
     pub(super) scorers: Vec<(Objective, Traced)>,
+}
+
+/// What a register of the step holds before the first row of a trajectory.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Initial {
+    /// A result of the prologue, by its register there.
+    Result(usize),
+    /// A number.
+    Number(f64),
+}
+
+impl Step {
+    /// Runs once a row.
+    #[must_use]
+    pub const fn tape(&self) -> &Tape {
+        &self.tape
+    }
+
+    /// Number of columns of the record.
+    #[must_use]
+    pub const fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// The scalars of the tape that follow the columns.
+    #[must_use]
+    pub fn constants(&self) -> &[f64] {
+        &self.constants
+    }
+
+    /// Rows of this kind x columns, row-major.
+    #[must_use]
+    pub const fn record(&self) -> &Arc<Vec<f64>> {
+        &self.record
+    }
+
+    /// Columns of the `row`th row of this kind.
+    #[must_use]
+    pub fn row(&self, row: usize) -> &[f64] {
+        &self.record[row * self.columns..(row + 1) * self.columns]
+    }
+
+    /// Number of rows of this kind.
+    #[must_use]
+    pub const fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Names of the tape's scalars: `row.0`, ..., then the constants themselves.
+    #[must_use]
+    pub fn scalar_names(&self) -> Vec<String> {
+        let columns = (0..self.columns).map(|c| format!("row.{c}"));
+        columns.chain(self.constants.iter().map(|c| format!("{c}"))).collect()
+    }
 }
 
 impl Program {
     /// Rows after which sums are moved to their f64 totals.
     pub const BLOCK: usize = 32;
 
+    /// The number format it is for: f32 is traced in deviation from a nominal.
+    #[must_use]
+    pub const fn precision(&self) -> Precision {
+        self.precision
+    }
+
+    /// The form of the covariance that is carried.
+    #[must_use]
+    pub const fn form(&self) -> Form {
+        self.carrying.form
+    }
+
+    /// Whether an update after a long gap takes P down so far that x is anchored to what is measured.
+    #[must_use]
+    pub const fn anchored(&self) -> bool {
+        self.carrying.anchored
+    }
+
+    /// Once a trajectory, in f64: searched parameters in registers 0.., results behind them: states, then invariants.
+    #[must_use]
+    pub const fn prologue(&self) -> &Tape {
+        &self.prologue
+    }
+
+    /// Number of searched parameters.
+    #[must_use]
+    pub const fn parameters(&self) -> usize {
+        self.parameters
+    }
+
+    /// What happens in rows, one a kind of them.
+    #[must_use]
+    pub fn steps(&self) -> &[Step] {
+        &self.steps
+    }
+
+    /// The step of a row of the log.
+    #[must_use]
+    pub fn kind(&self, row: usize) -> usize {
+        self.kinds.get(row).map_or(0, |kind| usize::from(*kind))
+    }
+
+    /// The carried registers, in order.
+    #[must_use]
+    pub fn carried(&self) -> &[Carried] {
+        &self.carried
+    }
+
+    /// For each carried state whether its initial value depends on the candidate.
+    #[must_use]
+    pub fn varies(&self) -> &[bool] {
+        &self.varies
+    }
+
+    /// Number of values that depend on the candidate but not on the row.
+    #[must_use]
+    pub const fn invariants(&self) -> usize {
+        self.invariants
+    }
+
+    /// Registers that the longest step uses.
+    #[must_use]
+    pub fn registers(&self) -> usize {
+        let steps = self.steps.iter().map(|step| step.tape.registers);
+        steps.fold(self.carried.len() + self.invariants, usize::max)
+    }
+
+    /// The trajectories.
+    #[must_use]
+    pub fn spans(&self) -> &[Span] {
+        &self.spans
+    }
+
+    /// Which candidates have covariances for Q, R and P0.
+    #[must_use]
+    pub const fn positivity(&self) -> &Positivity {
+        &self.positivity
+    }
+
+    /// What the last scorers are held against: their values become violations, not costs.
+    #[must_use]
+    pub fn constraints(&self) -> &[Constraint] {
+        &self.constraints
+    }
+
+    /// The units in which states and measurements stand in the steps.
+    #[must_use]
+    pub const fn units(&self) -> &Units {
+        &self.units
+    }
+
     /// Rows of all trajectories.
     #[must_use]
     pub fn rows(&self) -> usize {
         self.spans.iter().map(|span| span.rows.len()).sum()
+    }
+
+    /// Operations of a candidate's run over the whole log.
+    #[must_use]
+    pub fn operations(&self) -> usize {
+        self.steps.iter().map(|step| step.rows * step.tape.operations.len()).sum()
+    }
+
+    /// What the registers of the step hold before the first row of a trajectory: carried ones, then invariants.
+    pub fn initial(&self) -> impl Iterator<Item = Initial> + '_ {
+        let mut results = self.parameters..;
+        let mut result = move || Initial::Result(results.next().unwrap_or(usize::MAX));
+        let carried = self.carried.iter().map(|carried| carried.role);
+        carried.chain((0..self.invariants).map(|_| Role::State)).map(move |role| match role {
+            Role::State => result(),
+            other => Initial::Number(other.start()),
+        })
+    }
+
+    /// For each step how many of its rows come before trajectory `t`.
+    #[must_use]
+    pub fn cursor(&self, t: usize) -> Cursor<'_> {
+        Cursor { program: self, next: self.spans.get(t).map_or_else(Vec::new, |span| span.before.clone()) }
     }
 
     /// Number of objectives.
@@ -149,58 +292,27 @@ impl Program {
             *cost = objective.finish(&Pools { totals, folded: *folded, traced });
         }
     }
-
-    /// Names of the step's scalars: `row.0`, ..., then the constants themselves.
-    #[must_use]
-    pub fn scalar_names(&self) -> Vec<String> {
-        let columns = self.names.iter().cloned();
-        columns.chain(self.constants.iter().map(|c| format!("{c}"))).collect()
-    }
 }
 
-impl Display for Program {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Self { form, parameters, invariants, columns, .. } = self;
-        let rows = self.rows();
-        writeln!(
-            f,
-            "# {rows} rows, {columns} columns a row, {parameters} searched parameters, {} carried, {invariants} invariants",
-            self.carried.len()
-        )?;
-        writeln!(f, "# carries x and {form}")?;
-        if !self.units.are_own() {
-            let Units { states, measurements } = &self.units;
-            writeln!(f, "# in units of 2 to the {states:?} (states) and {measurements:?} (measurements)")?;
-        }
-        writeln!(f, "# prologue, once a trajectory in f64: {}", self.prologue.counts())?;
-        let names: Vec<String> = self
-            .parameter_names
-            .iter()
-            .cloned()
-            .chain(
-                self.register_names()
-                    .into_iter()
-                    .filter(|n| !n.starts_with("sum") && !n.starts_with("product") && n != "check"),
-            )
-            .collect();
-        let names = Names { registers: &names, scalars: &[] };
-        for operation in &self.prologue.operations {
-            writeln!(f, "    {}", names.line(operation))?;
-        }
-        writeln!(f, "# step, once a row: {}; {} registers", self.step.counts(), self.step.registers)?;
-        let (registers, scalars) = (self.register_names(), self.scalar_names());
-        let names = Names { registers: &registers, scalars: &scalars };
-        for operation in &self.step.operations {
-            writeln!(f, "    {}", names.line(operation))?;
-        }
-        Ok(())
-    }
+/// Goes through the rows of a trajectory: which step each has, and which of the step's rows it is.
+#[derive(Debug, Clone)]
+pub struct Cursor<'a> {
+    program: &'a Program,
+    next: Vec<usize>,
 }
 
-impl Program {
-    /// Names of the carried registers and the invariants.
-    fn register_names(&self) -> Vec<String> {
-        let invariants = (0..self.invariants).map(|i| format!("i{i}"));
-        self.carried.iter().map(|c| c.name.clone()).chain(invariants).collect()
+impl<'a> Cursor<'a> {
+    /// The step of `row`, the next row of the log, and the place of the row among those of its kind.
+    pub fn next(&mut self, row: usize) -> (usize, usize) {
+        let kind = self.program.kind(row);
+        self.next[kind] += 1;
+        (kind, self.next[kind] - 1)
+    }
+
+    /// The step of the next row, and its columns.
+    pub fn step(&mut self, row: usize) -> (&'a Step, &'a [f64]) {
+        let (kind, place) = self.next(row);
+        let step = &self.program.steps[kind];
+        (step, step.row(place))
     }
 }

@@ -1,13 +1,14 @@
-//! What a trajectory starts from: the numbers behind [`Leaf::Start`].
+//! What a trajectory starts from: the numbers behind [`Leaf::Start`](crate::tape::Leaf::Start).
 
 use super::error::TraceError;
+use super::nodes::{Affine, ModelNodes};
 use super::tracer::Tracer;
 use crate::model::Start;
-use crate::tape::{Calculator, Id, Leaf};
+use crate::tape::{Calculator, Id};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
-/// What [`Leaf::Start`] stands for in each trajectory, whose rows of the record are given: the n states taken from the first
+/// What [`Leaf::Start`](crate::tape::Leaf::Start) stands for in each trajectory, whose rows of the record are given: the n states taken from the first
 /// measurement (where x0 asks for it), then the n states of the nominal at the first row (where there is one), then the
 /// interval after that row.
 pub(super) fn starts(tracer: &mut Tracer<'_>, spans: &[Range<usize>]) -> Result<Vec<Vec<f64>>, TraceError> {
@@ -31,24 +32,20 @@ pub(super) fn starts(tracer: &mut Tracer<'_>, spans: &[Range<usize>]) -> Result<
 struct MeasuredStart(Calculator);
 
 impl MeasuredStart {
-    fn new(tracer: &mut Tracer<'_>) -> Result<Self, TraceError> {
-        let (jacobian, offset) = tracer.measurement_map(&tracer.problem.parameters.baseline())?;
+    fn new(t: &mut Tracer<'_>) -> Result<Self, TraceError> {
+        let Affine { jacobian, offset } = ModelNodes::new(t, Some(&t.problem.parameters.baseline()))?.h;
         let ids: Vec<Id> = jacobian.into_iter().flatten().chain(offset).collect();
-        Ok(Self(Calculator::new(&tracer.g, &ids)))
+        Ok(Self(Calculator::new(&t.g, &ids)))
     }
 
-    /// x = pinv(H) (z - h(0)) at the first used row of trajectory `t`; unmeasured directions are 0.
-    fn of(&mut self, tracer: &Tracer<'_>, t: usize, row: usize) -> Vec<f64> {
-        let (n, m) = (tracer.problem.model.states.len(), tracer.problem.model.measurements.len());
-        let trajectory = &tracer.rows.log.trajectories[t];
-        let Some(z) = (tracer.rows.first[t] < trajectory.len()).then(|| trajectory.z.row(tracer.rows.first[t])) else {
+    /// x = pinv(H) (z - h(0)) at the first used row of a trajectory; unmeasured directions are 0.
+    fn of(&mut self, t: &Tracer<'_>, trajectory: usize, row: usize) -> Vec<f64> {
+        let (n, m) = (t.problem.model.states.len(), t.problem.model.measurements.len());
+        let (first, trajectory) = (t.rows.first[trajectory], &t.rows.log.trajectories[trajectory]);
+        let Some(z) = (first < trajectory.len()).then(|| trajectory.z.row(first)) else {
             return vec![f64::NAN; n];
         };
-        let leaf = |leaf| match leaf {
-            Leaf::Column(c) => tracer.columns.value(c, row),
-            _ => f64::NAN,
-        };
-        let values: Vec<f64> = self.0.evaluate(leaf).collect();
+        let values: Vec<f64> = self.0.evaluate(|leaf| t.at(leaf, row)).collect();
         let h = DMatrix::from_row_slice(m, n, &values[..m * n]);
         let residual = DVector::from_iterator(m, z.iter().zip(&values[m * n..]).map(|(z, offset)| z - offset));
         least_norm(h, residual).as_slice().to_vec()

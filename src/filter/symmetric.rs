@@ -32,8 +32,18 @@ impl Symmetric {
         &self.upper
     }
 
+    /// The diagonal, n.
+    pub(super) fn diagonal(&self) -> Vec<Id> {
+        (0..self.n).map(|i| self.at(i, i)).collect()
+    }
+
     pub(super) const fn n(&self) -> usize {
         self.n
+    }
+
+    /// The sum with another of its size.
+    pub(super) fn plus(&self, g: &mut Graph, other: &Self) -> Self {
+        Self::from_fn(self.n, |i, j| g.add(self.at(i, j), other.at(i, j)))
     }
 
     /// Factors A = L D L', L unit lower triangular: (rows of L, D). Structural zeros stay zeros. A must be definite.

@@ -2,7 +2,7 @@
 
 use super::carry::Entry;
 use super::nominal::Nominal;
-use super::program::{Program, Role, Span};
+use super::program::{Initial, Program, Span};
 use crate::tape::lanes::{Register, run_apart, run_one};
 
 /// A register of one candidate.
@@ -10,20 +10,19 @@ type One = Register<f64, 1, 1>;
 
 impl Program {
     /// The nominal of the deviation form: the predicted states of a candidate, in the problem's own units, by this program,
-    /// which must be one in f64 with its record.
+    /// which must be one in f64.
     #[must_use]
     pub fn nominal(&self, candidate: &[f64]) -> Nominal {
-        let n = self.units.states.len();
-        let rows = self.spans.last().map_or(0, |span| span.rows.end);
-        let mut states = Vec::with_capacity(n * rows);
-        let mut scalars = vec![0.0; self.columns];
-        scalars.extend_from_slice(&self.constants);
-        for span in &self.spans {
+        let n = self.units().states.len();
+        let mut states = Vec::with_capacity(n * self.rows());
+        for (t, span) in self.spans().iter().enumerate() {
             let mut registers = self.start(candidate, span);
+            let mut cursor = self.cursor(t);
             for row in span.rows.clone() {
                 states.extend(self.predicted(&registers));
-                scalars[..self.columns].copy_from_slice(&self.record[row * self.columns..(row + 1) * self.columns]);
-                run_apart(&self.step.operations, &mut registers, &scalars);
+                let (step, columns) = cursor.step(row);
+                let scalars = [columns, step.constants()].concat();
+                run_apart(&step.tape().operations, &mut registers, &scalars);
             }
         }
         Nominal::new(candidate.to_vec(), states, n)
@@ -32,19 +31,19 @@ impl Program {
     /// The registers of the step at the first row of a trajectory.
     fn start(&self, candidate: &[f64], span: &Span) -> Vec<One> {
         let mut results = candidate.to_vec();
-        run_one(&self.prologue, &mut results, &span.scalars);
-        let (states, rest) = results[self.parameters..].split_at(self.varies.len());
-        let others =
-            self.carried[states.len()..].iter().map(|carried| if carried.role == Role::Sum { 0.0 } else { 1.0 });
-        let values = states.iter().copied().chain(others).chain(rest[..self.invariants].iter().copied());
-        let mut registers: Vec<One> = values.map(One::splat).collect();
-        registers.resize(self.step.registers.max(registers.len()), One::splat(0.0));
+        run_one(self.prologue(), &mut results, &span.scalars);
+        let value = |initial| match initial {
+            Initial::Result(register) => results[register],
+            Initial::Number(value) => value,
+        };
+        let mut registers: Vec<One> = self.initial().map(|initial| One::splat(value(initial))).collect();
+        registers.resize(self.registers(), One::splat(0.0));
         registers
     }
 
     /// The predicted states in the problem's own units.
     fn predicted<'a>(&'a self, registers: &'a [One]) -> impl Iterator<Item = f64> + 'a {
-        self.entries.iter().zip(&self.units.states).map(|(entry, unit)| {
+        self.entries.iter().zip(&self.units().states).map(|(entry, unit)| {
             let value = match entry {
                 Entry::Constant(value) => *value,
                 Entry::Carried(i) => registers[*i].lanes()[0],

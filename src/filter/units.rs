@@ -3,13 +3,9 @@
 //! Variances in A^2 of a sensor in nA, or in squared cents of a fund, leave the range of f32, and products of a few of them
 //! that of f64. A power of two changes no digit, so a filter in other units has the same bits, and totals are given back in
 //! the user's units exactly. Ordinary problems stay in their own.
-#![expect(non_snake_case, reason = "Kalman notation: F, H, Q, R, P, S")]
 
-use super::error::TraceError;
-use super::form::{corners, over_rows};
-use super::formula::{self, Scope};
-use super::tracer::Tracer;
-use crate::tape::Id;
+use super::symmetric::Symmetric;
+use crate::tape::{Graph, Id};
 
 /// State j is computed in units of 2^`states[j]`, measurement i in units of 2^`measurements[i]`, of the problem's own.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -19,16 +15,6 @@ pub struct Units {
     /// One exponent a measurement.
     pub measurements: Vec<i32>,
 }
-
-/// Binary logarithms between which a variance lies: with the start values, and with any candidate.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Range {
-    low: f64,
-    high: f64,
-}
-
-/// Exponents up to which every power of two that is used, and its square, is a normal f64.
-const LARGEST: f64 = 500.0;
 
 impl Units {
     /// The problem's own.
@@ -43,130 +29,21 @@ impl Units {
         self.states.iter().chain(&self.measurements).all(|exponent| *exponent == 0)
     }
 
-    /// Where every variance is within 2^-`window` and 2^`window`, the problem's own; else one power of two for all, which
-    /// leaves F and H alone, where that brings them there; else one each.
-    pub(super) fn choose(tracer: &mut Tracer<'_>) -> Result<Self, TraceError> {
-        // A product of innovation variances is split every 2 rows in f32 and every 8 in f64 (tape/lanes.rs), which holds
-        // variances from 2^-62 to 2^62 and from 2^-127 to 2^127; the rest is for candidates beyond those looked at.
-        let window = if tracer.nominal.is_some() { 50.0 } else { 112.0 };
-        let (states, measurements) = sizes(tracer, window)?;
-        let all: Vec<Range> = states.iter().chain(&measurements).flatten().copied().collect();
-        let fits = |range: &Range, exponent: i32| {
-            let shift = 2.0 * f64::from(exponent);
-            range.low - shift >= -window && range.high - shift <= window
+    /// A matrix that takes states to what has the units `to`, for the filter.
+    pub(super) fn map(&self, g: &mut Graph, rows: &[Vec<Id>], to: &[i32]) -> Vec<Vec<Id>> {
+        let row = |(row, unit): (&Vec<Id>, &i32)| {
+            row.iter().zip(&self.states).map(|(entry, state)| g.scale(*entry, state - unit)).collect()
         };
-        let low = all.iter().map(|range| range.low).fold(f64::INFINITY, f64::min);
-        let high = all.iter().map(|range| range.high).fold(f64::NEG_INFINITY, f64::max);
-        let common = Range { low, high }.exponent(window);
-        for exponent in [0, common] {
-            if all.iter().all(|range| fits(range, exponent)) {
-                return Ok(Self {
-                    states: vec![exponent; states.len()],
-                    measurements: vec![exponent; measurements.len()],
-                });
-            }
-        }
-        let own =
-            |range: &Option<Range>| range.filter(|range| !fits(range, 0)).map_or(0, |range| range.exponent(window));
-        Ok(Self { states: states.iter().map(own).collect(), measurements: measurements.iter().map(own).collect() })
+        rows.iter().zip(to).map(row).collect()
     }
 }
 
-impl Range {
-    const NOTHING: Self = Self { low: f64::INFINITY, high: f64::NEG_INFINITY };
-
-    fn hull(self, other: Self) -> Self {
-        Self { low: self.low.min(other.low), high: self.high.max(other.high) }
-    }
-
-    fn is_something(&self) -> bool {
-        self.low.is_finite() && self.high.is_finite()
-    }
-
-    /// The exponent that centres it; where it is wider than the window, the one that holds its lower end, since innovation
-    /// variances come down from a diffuse start and stay there.
-    fn exponent(self, window: f64) -> i32 {
-        let centre = f64::midpoint(self.low, self.high).min(self.low + window);
-        #[expect(clippy::cast_possible_truncation, reason = "within 500")]
-        let exponent = (centre / 2.0).clamp(-LARGEST, LARGEST).round() as i32;
-        exponent
-    }
+/// Values that have `units`, for the filter.
+pub(super) fn scaled(g: &mut Graph, values: &[Id], units: &[i32]) -> Vec<Id> {
+    values.iter().zip(units).map(|(value, unit)| g.scale(*value, -unit)).collect()
 }
 
-type Sizes = Vec<Option<Range>>;
-
-/// Variances that states and innovations have, as far as P0, Q, R and H tell; `None` where they are 0 throughout. Bounds of
-/// a search may be absurd, so other candidates count only up to `window` beyond the start values.
-fn sizes(tracer: &mut Tracer<'_>, window: f64) -> Result<(Sizes, Sizes), TraceError> {
-    let [lowest, baseline, highest] = corners(&tracer.problem.parameters);
-    let (mut states, mut measurements) = sizes_of(tracer, &baseline)?;
-    let start = (states.clone(), measurements.clone());
-    for candidate in [lowest, highest] {
-        let (x, z) = sizes_of(tracer, &candidate)?;
-        let widen = |(range, (start, found)): (&mut Range, (&Range, Range))| {
-            let beyond = if start.is_something() { window } else { f64::INFINITY };
-            let found = Range { low: found.low.max(start.low - beyond), high: found.high.min(start.high + beyond) };
-            if found.is_something() {
-                *range = range.hull(found);
-            }
-        };
-        states.iter_mut().zip(start.0.iter().zip(x)).for_each(widen);
-        measurements.iter_mut().zip(start.1.iter().zip(z)).for_each(widen);
-    }
-    let found = |ranges: Vec<Range>| ranges.into_iter().map(|r| Some(r).filter(Range::is_something)).collect();
-    Ok((found(states), found(measurements)))
-}
-
-/// The same with one candidate: a state is as large as the larger of its P0 and its Q, or as what F brings to it where both
-/// are 0; an innovation lies between the least R (where there is any) and the largest R with what H sees of the states.
-fn sizes_of(tracer: &mut Tracer<'_>, candidate: &[f64]) -> Result<(Vec<Range>, Vec<Range>), TraceError> {
-    let [p0, q, r] = diagonals(tracer, candidate);
-    let largest = |tracer: &Tracer<'_>, ids: &[Id]| extremes(tracer, ids).iter().map(|r| r.high).collect::<Vec<_>>();
-    let mut sizes: Vec<f64> =
-        largest(tracer, &p0).into_iter().zip(largest(tracer, &q)).map(|(a, b)| a.max(b)).collect();
-    if sizes.iter().any(|size| !size.is_finite()) {
-        let F = tracer.transition_map(candidate)?;
-        let F: Vec<Vec<f64>> = F.iter().map(|row| largest(tracer, row)).collect();
-        for _ in 0..sizes.len() {
-            let known = sizes.clone();
-            let brought =
-                |row: &[f64]| row.iter().zip(&known).map(|(f, size)| 2.0 * f + size).fold(f64::NEG_INFINITY, f64::max);
-            sizes.iter_mut().zip(&F).filter(|(size, _)| !size.is_finite()).for_each(|(size, row)| *size = brought(row));
-        }
-    }
-    let (H, _) = tracer.measurement_map(candidate)?;
-    let innovations = H.iter().zip(extremes(tracer, &r)).map(|(row, r)| {
-        let seen =
-            largest(tracer, row).iter().zip(&sizes).map(|(h, size)| 2.0 * h + size).fold(f64::NEG_INFINITY, f64::max);
-        let high = seen.max(r.high);
-        Range { low: if r.low.is_finite() { r.low } else { high }, high }
-    });
-    let innovations = innovations.collect();
-    Ok((sizes.into_iter().map(|size| Range { low: size, high: size }).collect(), innovations))
-}
-
-/// The diagonals of P0, Q and R of a candidate, in the problem's own units.
-fn diagonals(tracer: &mut Tracer<'_>, candidate: &[f64]) -> [Vec<Id>; 3] {
-    let model = &tracer.problem.model;
-    let parameters = formula::parameters(&mut tracer.g, &tracer.problem.parameters, Some(candidate));
-    let (inputs, dt) = tracer.inputs();
-    let scope = Scope { states: &[], parameters: &parameters, inputs: &inputs, dt };
-    [&model.p0, &model.q, &model.r].map(|entries| {
-        let n = entries.len().isqrt();
-        (0..n).map(|i| formula::trace(&mut tracer.g, &entries[i * n + i], scope)).collect()
-    })
-}
-
-/// The binary logarithms of the least and the largest size of nodes over the rows of the log, zeros left out.
-fn extremes(tracer: &Tracer<'_>, ids: &[Id]) -> Vec<Range> {
-    let mut found = vec![Range::NOTHING; ids.len()];
-    let mut i = 0;
-    over_rows(tracer, ids, |value| {
-        let size = value.abs().log2();
-        if size.is_finite() {
-            found[i] = found[i].hull(Range { low: size, high: size });
-        }
-        i = (i + 1) % ids.len();
-    });
-    found
+/// The covariance of values that have `units`, for the filter.
+pub(super) fn covariance(g: &mut Graph, matrix: &Symmetric, units: &[i32]) -> Symmetric {
+    Symmetric::from_fn(units.len(), |i, j| g.scale(matrix.at(i, j), -units[i] - units[j]))
 }

@@ -78,7 +78,7 @@ impl Problem {
     fn check_intervals(&self, log: &Log, warnings: &mut Vec<String>) -> Result<(), ProblemError> {
         let intervals = || log.trajectories.iter().flat_map(|t| (0..t.len()).filter_map(|k| t.dt(k)));
         let irregular = log.regular_dt().is_none() && intervals().next().is_some();
-        let adapted = matches!(self.filter, super::FilterKind::SageHusa { .. });
+        let adapted = self.filter.facts().adapts == super::Adapts::ProcessNoise;
         if self.model.first == (First::Predict { dt: None }) && log.regular_dt().is_none() {
             let what = if irregular { "has irregular intervals" } else { "has no interval" };
             let problem = format!(
@@ -101,8 +101,9 @@ impl Problem {
         }
         if irregular && adapted {
             warnings.push(format!(
-                "the intervals of {} differ, and the sage-husa filter adapts one Q that serves every step, long or short",
-                log.source
+                "the intervals of {} differ, and the {} filter adapts one Q that serves every step, long or short",
+                log.source,
+                self.filter.name()
             ));
         }
         Ok(())

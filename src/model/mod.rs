@@ -5,7 +5,7 @@ mod definite;
 mod draft;
 mod error;
 mod expr;
-mod filter;
+mod family;
 mod formula;
 mod library;
 mod linear;
@@ -18,7 +18,7 @@ pub(crate) use definite::{ROUNDING, is_covariance, is_product, must_be_definite}
 pub use draft::{Draft, draft};
 pub use error::{Cause, Place, ProblemError};
 pub use expr::{Binary, Expr, ExprKind, Function, Span, Symbol};
-pub use filter::{FilterKind, Range, Setting};
+pub use family::{Adapts, Facts, FilterKind, Fuzzy, Kalman, Range, SageHusa, SageHusaR, Setting};
 pub use library::built_in_models;
 pub use parameter::{Parameter, Parameters, Scale, Search, Value};
 pub use problem::{First, Model, Pick, Problem, SimulateSpec, Start, TuneSpec};

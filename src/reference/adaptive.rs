@@ -54,17 +54,17 @@ impl Adaptation {
             values.push(value);
         }
         Ok(match (kind, values.as_slice()) {
-            (FilterKind::SageHusa { .. }, [forgetting]) => {
+            (FilterKind::SageHusa(_), [forgetting]) => {
                 Self::ProcessNoise { forgetting: *forgetting, updates: 0, q: DMatrix::zeros(0, 0) }
             }
-            (FilterKind::SageHusaR { .. }, [forgetting, floor]) => Self::MeasurementNoise {
+            (FilterKind::SageHusaR(_), [forgetting, floor]) => Self::MeasurementNoise {
                 forgetting: *forgetting,
                 floor: *floor,
                 updates: vec![0; m],
                 least: vec![0.0; m],
             },
-            (FilterKind::Fuzzy { window, .. }, [gain, width]) => {
-                Self::Fuzzy { window: *window, gain: *gain, width: *width, squares: vec![VecDeque::new(); m] }
+            (FilterKind::Fuzzy(fuzzy), [gain, width]) => {
+                Self::Fuzzy { window: fuzzy.window, gain: *gain, width: *width, squares: vec![VecDeque::new(); m] }
             }
             _ => Self::None,
         })

@@ -25,7 +25,7 @@ use super::matrices::{Affine, Formulas};
 use super::run::{Moment, walk};
 use super::{Cause, Failure};
 use crate::data::{Log, Trajectory};
-use crate::model::Problem;
+use crate::model::{Adapts, Problem};
 
 /// The estimate of one row by all measurements of its trajectory.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,7 +48,7 @@ pub struct Smoothed {
 /// # Panics
 /// If `candidate` does not have one value per searched parameter.
 pub fn smooth(problem: &Problem, log: &Log, candidate: &[f64]) -> Result<Vec<Vec<Smoothed>>, Failure> {
-    let adapts = problem.filter.is_adaptive();
+    let adapts = problem.filter.facts().adapts != Adapts::Nothing;
     let mut passes: Vec<Vec<Pass>> = log.trajectories.iter().map(|_| Vec::new()).collect();
     walk(problem, log, candidate, &mut |moment| {
         let Moment { trajectory, row, posterior, update, noise, .. } = moment;

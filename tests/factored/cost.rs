@@ -37,7 +37,7 @@ fn program(case: &Case, form: Form) -> Program {
 #[test]
 fn three_axes_fall_apart() {
     let program = program(&Case::simulated("CV 3-D", CV_3D), Form::Factored);
-    let mut names: Vec<&str> = program.carried.iter().map(|c| c.name.as_str()).collect();
+    let mut names: Vec<&str> = program.carried().iter().map(|c| c.name.as_str()).collect();
     names.retain(|name| name.starts_with("U.") || name.starts_with("D."));
     names.sort_unstable();
     assert_eq!(names, ["D.vx", "D.vy", "D.vz", "D.x", "D.y", "D.z", "U.x.vx", "U.y.vy", "U.z.vz"]);
@@ -55,7 +55,7 @@ fn operations_of_both_forms() {
     ];
     let mut changed = vec![];
     for (case, expected) in cases {
-        let counts = [Form::Full, Form::Factored].map(|form| program(&case, form).step.counts());
+        let counts = [Form::Full, Form::Factored].map(|form| program(&case, form).counts());
         counts.iter().for_each(|counts| println!("{:12} {counts}", case.name));
         if counts.map(|c| c.flops) != expected {
             changed.push(case.name);

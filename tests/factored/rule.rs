@@ -16,7 +16,7 @@ fn case(h: &str, p0: &str, r: &str, parameters: &str) -> Case {
 
 #[track_caller]
 fn chosen(h: &str, p0: &str, r: &str, parameters: &str) -> Form {
-    case(h, p0, r, parameters).program(Precision::F32, None).form
+    case(h, p0, r, parameters).program(Precision::F32, None).form()
 }
 
 #[test]
@@ -37,7 +37,7 @@ fn the_largest_initial_variance_over_the_smallest_noise_decides() {
 #[test]
 fn double_precision_carries_factors_where_an_update_takes_six_digits() {
     let r = "r = { min = 0.5, max = 2, start = 1 }";
-    let chosen = |h, p0| case(h, p0, "r", r).program(Precision::F64, None).form;
+    let chosen = |h, p0| case(h, p0, "r", r).program(Precision::F64, None).form();
     assert_eq!(chosen("p", "1e5"), Form::Full, "P0/R = 2e5");
     assert_eq!(chosen("p", "1e8"), Form::Factored);
     assert_eq!(chosen("v", "1e8"), Form::Full, "what a sensor sees alone is multiplied, and no other state is diffuse");

@@ -3,7 +3,7 @@
 //! Row 0 with z: S = 2, K = 1/2, nu = z, x = z / 2, P = 1/2. With b = 1/2, d_1 = 2/3 and d_2 = 4/7.
 
 use kfgpu::data::Log;
-use kfgpu::model::{Expr, FilterKind};
+use kfgpu::model::{Expr, FilterKind, Fuzzy, SageHusa, SageHusaR};
 use kfgpu::reference::{Cause, Run, run};
 
 use super::support::{Linear, close, log, scalars};
@@ -23,15 +23,15 @@ fn variances(kind: &FilterKind, z: &[f64]) -> Vec<f64> {
 }
 
 fn sage_husa(forgetting: f64) -> FilterKind {
-    FilterKind::SageHusa { forgetting: Expr::number(forgetting) }
+    FilterKind::SageHusa(SageHusa { forgetting: Expr::number(forgetting) })
 }
 
 fn sage_husa_r(forgetting: f64, floor: f64) -> FilterKind {
-    FilterKind::SageHusaR { forgetting: Expr::number(forgetting), floor: Expr::number(floor) }
+    FilterKind::SageHusaR(SageHusaR { forgetting: Expr::number(forgetting), floor: Expr::number(floor) })
 }
 
 fn fuzzy(window: usize) -> FilterKind {
-    FilterKind::Fuzzy { window, gain: Expr::number(0.1), width: Expr::number(0.5) }
+    FilterKind::Fuzzy(Fuzzy { window, gain: Expr::number(0.1), width: Expr::number(0.5) })
 }
 
 /// z = 4: K nu = 2, Q = 1/3 + 2/3 * 4 = 3, prior P = 7/2.
@@ -102,8 +102,8 @@ fn a_setting_outside_its_range_fails_the_candidate() {
         (sage_husa(1.01), "forgetting"),
         (sage_husa_r(0.0, 0.1), "forgetting"),
         (sage_husa_r(0.9, -0.1), "floor"),
-        (FilterKind::Fuzzy { window: 2, gain: Expr::number(1.0), width: Expr::number(1.0) }, "gain"),
-        (FilterKind::Fuzzy { window: 2, gain: Expr::number(0.1), width: Expr::number(0.0) }, "width"),
+        (FilterKind::Fuzzy(Fuzzy { window: 2, gain: Expr::number(1.0), width: Expr::number(1.0) }), "gain"),
+        (FilterKind::Fuzzy(Fuzzy { window: 2, gain: Expr::number(0.1), width: Expr::number(0.0) }), "width"),
     ] {
         problem.filter = kind;
         let failure = run(&problem, &log(vec![scalars(&[1.0])]), &[]).expect_err("out of range");

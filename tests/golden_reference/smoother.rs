@@ -3,7 +3,7 @@
 //! adaptive filters too; and for diffuse starts the inverse of the information matrix of all states together.
 
 use kfgpu::data::Log;
-use kfgpu::model::{Expr, FilterKind, First, Problem};
+use kfgpu::model::{Expr, FilterKind, First, Fuzzy, Problem, SageHusa, SageHusaR};
 use kfgpu::reference::{Estimate, Smoothed, run, smooth};
 use nalgebra::{DMatrix, DVector};
 
@@ -121,7 +121,7 @@ fn long_logs_agree_with_the_recursion_as_published() {
         let found = smoothed(&model, &log);
         assert_eq!(found[299].estimate, steps[299].posterior, "nothing follows the last row");
         for ((step, found), expected) in
-            steps.iter().zip(&found).zip(rauch_tung_striebel(&model, &FilterKind::Kalman, &log))
+            steps.iter().zip(&found).zip(rauch_tung_striebel(&model, &FilterKind::default(), &log))
         {
             let error = error(&found.estimate, &expected.x, &expected.p);
             assert!(error < 1e-10, "case {case}, row {}: {error:.1e}", step.row);
@@ -139,9 +139,9 @@ fn long_logs_agree_with_the_recursion_as_published() {
 fn adaptive_filters_are_smoothed_with_the_noise_they_used() {
     let setting = Expr::number;
     let kinds = [
-        FilterKind::SageHusa { forgetting: setting(0.9) },
-        FilterKind::SageHusaR { forgetting: setting(0.9), floor: setting(0.05) },
-        FilterKind::Fuzzy { window: 3, gain: setting(0.3), width: setting(0.5) },
+        FilterKind::SageHusa(SageHusa { forgetting: setting(0.9) }),
+        FilterKind::SageHusaR(SageHusaR { forgetting: setting(0.9), floor: setting(0.05) }),
+        FilterKind::Fuzzy(Fuzzy { window: 3, gain: setting(0.3), width: setting(0.5) }),
     ];
     let mut worst = [0.0f64; 3];
     for case in 0..36 {

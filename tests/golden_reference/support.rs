@@ -76,7 +76,7 @@ impl Linear {
                 inputs,
             },
             parameters: Parameters::default(),
-            filter: FilterKind::Kalman,
+            filter: FilterKind::default(),
             tune: tune(vec![Objective::new(Kind::Nll)]),
             simulate: None,
         }

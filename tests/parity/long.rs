@@ -4,7 +4,7 @@ use crate::case::{Case, INNOVATIONS, Single, Text};
 use crate::logs::{Gap, Interval, Shape};
 use crate::{double, evaluate, single, worst};
 use kfgpu::evaluate::Precision;
-use kfgpu::filter::trace;
+use kfgpu::filter::{Step, trace};
 
 fn cv(objectives: &'static str) -> Text<'static> {
     Text {
@@ -32,12 +32,15 @@ fn seventy_thousand_rows() {
     assert_eq!(case.single, Single::Promised, "in single precision too");
 }
 
-/// (columns a row, constants, carried) of a program.
-fn sizes(text: &Text<'_>, shape: Shape) -> (usize, usize, usize) {
+/// For each kind of rows its columns, and the number of carried registers.
+fn sizes(text: &Text<'_>, shape: Shape) -> (Vec<usize>, usize) {
     let case = Case::new("sizes", text, shape, 1);
     let program = trace(&case.problem, &case.log, &case.problem.tune.objectives, None).unwrap();
-    assert_eq!(program.record.len(), program.columns * case.log.rows(), "the record is columns x rows");
-    (program.columns, program.constants.len(), program.carried.len())
+    assert_eq!(program.steps().iter().map(Step::rows).sum::<usize>(), case.log.rows(), "every row has a kind");
+    for step in program.steps() {
+        assert_eq!(step.record().len(), step.columns() * step.rows(), "the record is columns x rows");
+    }
+    (program.steps().iter().map(Step::columns).collect(), program.carried().len())
 }
 
 #[test]
@@ -45,12 +48,14 @@ fn a_record_holds_only_what_changes_from_row_to_row() {
     let nll = cv("[\"nll\"]");
     let short = sizes(&nll, Shape::regular(&[50]));
     assert_eq!(short, sizes(&nll, Shape::regular(&[5000])), "sizes do not depend on T");
-    assert_eq!(short.0, 3, "three measurements a row; dt, weights and masks are folded");
-    assert_eq!(short.2, 6 + 3 + 1 + 1, "x, P of the one axis that stands for all, sum NIS, det S");
+    assert_eq!(short.0, [3], "three measurements a row; dt, weights and masks are folded");
+    assert_eq!(short.1, 6 + 3 + 1 + 1, "x, P of the one axis that stands for all, sum NIS, det S");
     let gaps = sizes(&nll, Shape::regular(&[50]).without(&[Gap::Rows(0.3)]));
-    assert_eq!(gaps.0, 3 + 1, "and one mask where whole rows are missing");
+    assert_eq!(gaps, (vec![3, 0], short.1), "rows with nothing in them read nothing");
+    let rare = sizes(&nll, Shape::regular(&[500]).without(&[Gap::Components(0.01)]));
+    assert_eq!(rare.0, [3, 3 + 3], "rare patterns share a step with masks");
     let all = sizes(&cv(INNOVATIONS), Shape::regular(&[50]));
-    assert_eq!(all.0, 3 + 1, "and one weight for the window of mismatch");
+    assert_eq!(all.0, [3, 3], "the window of mismatch is a kind");
     let irregular = sizes(&LEVEL, Shape::regular(&[50]).every(Interval::Irregular(1.0)));
-    assert_eq!(irregular.0, 3, "z, dt and the window");
+    assert_eq!(irregular.0, [2, 2], "z and dt; the window is a kind");
 }

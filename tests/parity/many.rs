@@ -37,7 +37,7 @@ fn fifty_thousand_trajectories_are_traced_and_scored() {
 fn what_a_candidate_takes_does_not_grow_with_the_trajectories() {
     let [few, many] = [&[2; 3][..], MANY].map(|lengths| {
         let evaluator = build(&case("[0, 0]", lengths), Precision::F64).unwrap();
-        (evaluator.program().spans.len(), evaluator.program().folded())
+        (evaluator.program().spans().len(), evaluator.program().folded())
     });
     assert_eq!(few.1, many.1, "numbers a candidate, of {} and of {} trajectories", few.0, many.0);
 }

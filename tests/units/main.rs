@@ -129,12 +129,13 @@ fn ordinary_units_stay_and_one_unit_for_all_is_free() {
     for family in &FAMILIES {
         for precision in PRECISIONS {
             let own = build(family, Unit::of(1.0), precision);
-            assert!(own.program().units.are_own(), "{}, {precision}: {:?}", family.name, own.program().units);
-            let form = if family.diffuse && precision == Precision::F32 { Form::Factored } else { own.program().form };
-            assert_eq!(own.program().form, form, "{}", family.name);
+            assert!(own.program().units().are_own(), "{}, {precision}: {:?}", family.name, own.program().units());
+            let form =
+                if family.diffuse && precision == Precision::F32 { Form::Factored } else { own.program().form() };
+            assert_eq!(own.program().form(), form, "{}", family.name);
             let tiny = build(family, Unit::of(2.0_f64.powi(-210)), precision);
-            assert!(!tiny.program().units.are_own(), "{}, {precision}", family.name);
-            let operations = |evaluator: &CpuEvaluator| evaluator.program().step.operations.len();
+            assert!(!tiny.program().units().are_own(), "{}, {precision}", family.name);
+            let operations = |evaluator: &CpuEvaluator| evaluator.program().operations();
             assert_eq!(operations(&tiny), operations(&own), "{}, {precision}", family.name);
         }
     }

@@ -46,9 +46,9 @@ struct Buffers {
 impl Kernel {
     /// Assembles, validates and compiles the kernel, and uploads the record.
     pub(super) fn new(gpu: &Gpu, program: &Program, options: &GpuOptions, baseline: &[f64]) -> Result<Self, GpuError> {
-        let precision = options.precision;
-        let layout = Layout::grouped(program, precision, options.largest_group.unwrap_or(usize::MAX));
-        let source = shader::assemble(program, precision)?;
+        let precision = program.precision();
+        let layout = Layout::grouped(program, options.largest_group.unwrap_or(usize::MAX));
+        let source = shader::assemble(program)?;
         let (record_bytes, limit) =
             (upload::record_bytes(gpu, &layout), gpu.limits.max_buffer_size.min(u32::MAX.into()));
         if record_bytes > limit {
@@ -57,8 +57,8 @@ impl Kernel {
         let largest_part = largest_part(gpu, program, &layout, options)?;
         let refused = |f: GpuFailure| GpuError::Refused { adapter: gpu.info.name.clone(), reason: f.0 };
         let (pipeline, bindings) = gpu.guarded(|| compile(gpu, source)).map_err(refused)?;
-        let (record, offsets) = gpu.guarded(|| upload::record(gpu, program, &layout, precision)).map_err(refused)?;
-        let entries = gpu.guarded(|| upload::entries(gpu, program, &layout, (baseline, precision))).map_err(refused)?;
+        let (record, offsets) = gpu.guarded(|| upload::record(gpu, program, &layout)).map_err(refused)?;
+        let entries = gpu.guarded(|| upload::entries(gpu, program, &layout, baseline)).map_err(refused)?;
         let clock = (options.timed && gpu.info.timestamps).then(|| Clock::new(gpu));
         Ok(Self { largest_part, entries, layout, precision, pipeline, bindings, record, offsets, buffers: None, clock })
     }
@@ -71,7 +71,7 @@ impl Kernel {
         population: &Population,
     ) -> Result<(Evaluation, Option<Duration>), GpuFailure> {
         let values = population.values();
-        let d = program.parameters.max(1);
+        let d = program.parameters().max(1);
         let mut parts = Vec::new();
         let mut time = self.clock.as_ref().map(|_| Duration::ZERO);
         for part in values.chunks(self.largest_part * d) {
@@ -90,7 +90,7 @@ impl Kernel {
                 }
             }
             let (costs, mut status) = sums.finish();
-            for i in program.positivity.refused(part) {
+            for i in program.positivity().refused(part) {
                 status[i] = status[i].union(Status::NOT_POSITIVE);
             }
             parts.push((costs, status));
@@ -121,7 +121,7 @@ impl Kernel {
         let headers = gpu.buffer("headers", headers_bytes, Usage::UNIFORM | Usage::COPY_DST);
         let rows = prologue::rows(program, &self.layout) as u64;
         let prologue = gpu.buffer("prologue", rows * row, Usage::STORAGE | Usage::COPY_DST);
-        let carried = gpu.buffer("carried", program.carried.len() as u64 * row, Usage::STORAGE);
+        let carried = gpu.buffer("carried", program.carried().len() as u64 * row, Usage::STORAGE);
         let bytes = self.totals_bytes(self.layout.totals_rows(), stride);
         let totals = gpu.buffer("totals", bytes, Usage::STORAGE | Usage::COPY_SRC);
         let staging = gpu.buffer("totals, read back", bytes, Usage::MAP_READ | Usage::COPY_DST);
@@ -146,12 +146,12 @@ impl Kernel {
 
     /// Uploads a part, runs every dispatch of a round over it and copies the totals out.
     fn dispatch(&self, gpu: &Gpu, (program, round): (&Program, &Round), buffers: &Buffers, part: &[f64]) {
-        let n = part.len() / program.parameters.max(1);
+        let n = part.len() / program.parameters().max(1);
         if round.dispatches.start == 0 {
             gpu.queue.write_buffer(&buffers.headers, 0, &self.headers(buffers, n));
         }
         if round.dispatches.start == 0 || self.layout.varying > 0 {
-            prologue::with_buffer((program, round), part, buffers.stride, self.precision, |bytes| {
+            prologue::with_buffer(program, round, part, buffers.stride, |bytes| {
                 gpu.queue.write_buffer(&buffers.prologue, 0, bytes);
             });
         }
@@ -220,7 +220,7 @@ const LARGEST_BUFFER: u64 = 512 << 20;
 
 /// Candidates that one part may have: by storage bindings, buffers and the number of workgroups.
 fn largest_part(gpu: &Gpu, program: &Program, layout: &Layout, options: &GpuOptions) -> Result<usize, GpuError> {
-    let rows = prologue::rows(program, layout).max(program.carried.len()).max(layout.totals_rows());
+    let rows = prologue::rows(program, layout).max(program.carried().len()).max(layout.totals_rows());
     let Limits { max_buffer_size, max_storage_buffer_binding_size, .. } = gpu.limits;
     let limit = max_buffer_size.min(max_storage_buffer_binding_size);
     let entries = (layout.entry_bytes() * layout.chunks.len()) as u64;

@@ -1,6 +1,6 @@
 //! How a program lies in GPU memory: the record in chunks of rows, dispatches of one or more chunks, totals.
 
-use crate::filter::{Program, Role};
+use crate::filter::{Program, Role, Step};
 use crate::precision::Precision;
 use crate::tape::lanes::Lane;
 use bytemuck::{Pod, Zeroable};
@@ -36,6 +36,37 @@ pub(super) struct Entry {
     /// Row of the totals buffer where the chunk's begin.
     pub(super) totals: u32,
     pub(super) reserved: [u32; 2],
+}
+
+/// Sizes of a program.
+#[derive(Debug, Clone, Copy)]
+struct Shape {
+    precision: Precision,
+    /// Numbers of the record that a row takes.
+    columns: usize,
+    totals_a_chunk: usize,
+    varying: usize,
+    uniform: usize,
+}
+
+impl Shape {
+    fn of(program: &Program) -> Self {
+        let count = |role| program.carried().iter().filter(|c| c.role == role).count();
+        let varying = program.varies().iter().filter(|v| **v).count();
+        Self {
+            precision: program.precision(),
+            columns: numbers_a_row(program),
+            totals_a_chunk: count(Role::Sum) + 2 * count(Role::Product) + 1,
+            varying,
+            uniform: count(Role::State) - varying,
+        }
+    }
+}
+
+/// Numbers of the record that a row takes: which step runs, where there are several, and the columns of the widest.
+pub(super) fn numbers_a_row(program: &Program) -> usize {
+    let columns = program.steps().iter().map(Step::columns).max().unwrap_or(0);
+    columns + usize::from(program.steps().len() > 1)
 }
 
 /// Rows of one trajectory that one invocation runs.
@@ -87,26 +118,29 @@ impl Layout {
     /// Numbers a candidate that a round may write, unless a single dispatch writes more.
     const ROUND: usize = 8192;
 
-    pub(super) fn new(program: &Program, precision: Precision) -> Self {
-        Self::grouped(program, precision, usize::MAX)
+    pub(super) fn new(program: &Program) -> Self {
+        Self::grouped(program, usize::MAX)
     }
 
     /// With at most `largest` trajectories in a dispatch.
-    pub(super) fn grouped(program: &Program, precision: Precision, largest: usize) -> Self {
-        let packs_a_row = program.columns.div_ceil(Self::width(precision)).max(1);
+    pub(super) fn grouped(program: &Program, largest: usize) -> Self {
+        let spans: Vec<Range<usize>> = program.spans().iter().map(|span| span.rows.clone()).collect();
+        Self::arranged(&Shape::of(program), &spans, largest)
+    }
+
+    fn arranged(shape: &Shape, spans: &[Range<usize>], largest: usize) -> Self {
+        let packs_a_row = shape.columns.div_ceil(Self::width(shape.precision)).max(1);
         // Whole blocks of rows, so that sums are moved at the same rows wherever a chunk ends.
         let rows = (Self::RECORD / packs_a_row / Program::BLOCK).max(1) * Program::BLOCK;
         let mut chunks = Vec::new();
-        for (trajectory, span) in program.spans.iter().enumerate() {
-            for begin in span.rows.clone().step_by(rows) {
-                let end = (begin + rows).min(span.rows.end);
-                let (first, last) = (begin == span.rows.start, end == span.rows.end);
+        for (trajectory, span) in spans.iter().enumerate() {
+            for begin in span.clone().step_by(rows) {
+                let end = (begin + rows).min(span.end);
+                let (first, last) = (begin == span.start, end == span.end);
                 chunks.push(Chunk { trajectory, rows: begin..end, first, last });
             }
         }
-        let count = |role| program.carried.iter().filter(|c| c.role == role).count();
-        let varying = program.varies.iter().filter(|v| **v).count();
-        let totals_a_chunk = count(Role::Sum) + 2 * count(Role::Product) + 1;
+        let Shape { totals_a_chunk, varying, uniform, .. } = *shape;
         let dispatches = dispatches(&chunks, packs_a_row, largest);
         Self {
             packs_a_row,
@@ -115,7 +149,7 @@ impl Layout {
             chunks,
             totals_a_chunk,
             varying,
-            uniform: count(Role::State) - varying,
+            uniform,
         }
     }
 
@@ -258,8 +292,8 @@ mod tests {
     fn headers_and_entries_lie_where_the_kernel_reads_them() {
         for precision in [Precision::F32, Precision::F64] {
             let evaluator = evaluator(precision);
-            let layout = Layout::new(evaluator.program(), precision);
-            let source = super::super::assemble(evaluator.program(), precision).unwrap();
+            let layout = Layout::new(evaluator.program());
+            let source = super::super::assemble(evaluator.program()).unwrap();
             let header = named(&[
                 ("candidates", offset_of!(Header, candidates)),
                 ("stride", offset_of!(Header, stride)),
@@ -289,14 +323,11 @@ mod tests {
 
     #[test]
     fn chunks_hold_whole_blocks_and_cover_every_row_once() {
-        let evaluator = evaluator(Precision::F32);
-        let mut program = evaluator.program().clone();
-        let scalars = vec![];
+        let shape = Shape::of(evaluator(Precision::F32).program());
         let spans = [0..5, 5..5, 5..9000];
-        program.spans = spans.into_iter().map(|rows| crate::filter::Span { rows, scalars: scalars.clone() }).collect();
+        let layout = |columns| Layout::arranged(&Shape { columns, ..shape }, &spans, usize::MAX);
         for columns in [1, 4, 5, 40, 512] {
-            program.columns = columns;
-            let layout = Layout::new(&program, Precision::F32);
+            let layout = layout(columns);
             assert!(layout.fits(), "{columns} columns");
             let rows: Vec<usize> = layout.chunks.iter().flat_map(|c| c.rows.clone()).collect();
             assert_eq!(rows, (0..9000).collect::<Vec<_>>(), "{columns} columns: every row once, in order");
@@ -306,17 +337,14 @@ mod tests {
             }
             assert_eq!(layout.chunks.iter().filter(|c| c.first).count(), 2, "an empty trajectory has no chunk");
         }
-        program.columns = 513;
-        assert!(!Layout::new(&program, Precision::F32).fits(), "a block of rows does not fit the record");
+        assert!(!layout(513).fits(), "a block of rows does not fit the record");
     }
 
     #[test]
     fn rounds_bound_what_many_trajectories_write() {
-        let mut program = evaluator(Precision::F32).program().clone();
-        program.columns = 5;
+        let shape = Shape { columns: 5, ..Shape::of(evaluator(Precision::F32).program()) };
         for lengths in [&[2; 50_000][..], &[5000; 40], &[1, 400_000, 1]] {
-            program.spans = spans(lengths);
-            let layout = Layout::new(&program, Precision::F32);
+            let layout = Layout::arranged(&shape, &spans(lengths), usize::MAX);
             // 2048 rows a dispatch, so at most as many trajectories.
             assert!(layout.totals_rows() <= 2048 * layout.totals_a_chunk, "{} rows", layout.totals_rows());
             let chunks: Vec<usize> = layout.rounds.iter().flat_map(|round| round.chunks.clone()).collect();
@@ -330,20 +358,18 @@ mod tests {
         }
     }
 
-    fn spans(lengths: &[usize]) -> Vec<crate::filter::Span> {
+    fn spans(lengths: &[usize]) -> Vec<Range<usize>> {
         let mut next = 0;
         let span = |length: &usize| {
             next += length;
-            crate::filter::Span { rows: next - length..next, scalars: vec![] }
+            next - length..next
         };
         lengths.iter().map(span).collect()
     }
 
     #[test]
     fn a_dispatch_takes_the_trajectories_that_fit_its_record() {
-        let evaluator = evaluator(Precision::F32);
-        let mut program = evaluator.program().clone();
-        program.columns = 5;
+        let shape = Shape { columns: 5, ..Shape::of(evaluator(Precision::F32).program()) };
         // 2 packs a row: 2048 rows a dispatch.
         for (lengths, sizes) in [
             (&[2048][..], &[1][..]),
@@ -354,8 +380,8 @@ mod tests {
             (&[10, 5000, 10, 10], &[1, 1, 1, 3]),
             (&[1; 2100], &[2048, 52]),
         ] {
-            program.spans = spans(lengths);
-            let layout = Layout::new(&program, Precision::F32);
+            let spans = spans(lengths);
+            let layout = Layout::arranged(&shape, &spans, usize::MAX);
             let found: Vec<usize> = layout.dispatches.iter().map(Range::len).collect();
             assert_eq!(found, sizes, "{} trajectories", lengths.len());
             let chunks: Vec<usize> = layout.dispatches.iter().cloned().flatten().collect();
@@ -370,7 +396,7 @@ mod tests {
                 assert_eq!(of.len(), dispatch.len(), "{dispatch:?}: one chunk a trajectory");
             }
             assert!(layout.rounds.len() == 1 || lengths.len() > 2000, "short logs come back at once");
-            let alone = Layout::grouped(&program, Precision::F32, 1);
+            let alone = Layout::arranged(&shape, &spans, 1);
             assert_eq!(alone.dispatches.len(), layout.chunks.len(), "one chunk a dispatch where that is asked for");
         }
     }

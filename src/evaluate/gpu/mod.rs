@@ -15,7 +15,7 @@ pub use device::GpuFailure;
 pub use shader::assemble;
 
 use super::cpu::{CpuEvaluator, beside};
-use super::{BuildError, CpuOptions, Device, Evaluation, Evaluator, Population, Precision, single};
+use super::{BuildError, Device, Evaluation, Evaluator, Population, Precision, single};
 use crate::data::Log;
 use crate::filter::{Program, trace};
 use crate::model::Problem;
@@ -176,18 +176,9 @@ impl GpuEvaluator {
         let start = Instant::now();
         let kernel = Kernel::new(&gpu, &program, options, baseline)?;
         let kernel_build_time = start.elapsed();
-        let cpu_options = CpuOptions { precision: options.precision, threads: options.threads };
-        let cpu = CpuEvaluator::of_program(program, cpu_options);
-        Ok(Self {
-            gpu,
-            kernel,
-            cpu,
-            precision: options.precision,
-            failure: None,
-            on_failure: None,
-            kernel_time: None,
-            kernel_build_time,
-        })
+        let precision = program.precision();
+        let cpu = CpuEvaluator::of_program(program, options.threads);
+        Ok(Self { gpu, kernel, cpu, precision, failure: None, on_failure: None, kernel_time: None, kernel_build_time })
     }
 
     /// Calls `notice` once, with a sentence, if the GPU fails and the CPU goes on.

@@ -1,8 +1,8 @@
 //! The kernel of a program: the skeleton of `shaders/filter.wgsl` with the traced step printed into it.
 
 use super::GpuError;
-use super::layout::Layout;
-use crate::filter::{Program, Role};
+use super::layout::{Layout, numbers_a_row};
+use crate::filter::{Program, Role, Step};
 use crate::precision::Precision;
 use crate::tape::lanes::Lane;
 use crate::tape::wgsl::{Printer, WgslError, literal};
@@ -18,13 +18,13 @@ const SKELETON: &str = include_str!("../../../shaders/filter.wgsl");
 ///
 /// # Errors
 /// If the step needs a function that the number format lacks, or a row of the record is too wide for a kernel.
-pub fn assemble(program: &Program, precision: Precision) -> Result<String, GpuError> {
-    let layout = Layout::new(program, precision);
+pub fn assemble(program: &Program) -> Result<String, GpuError> {
+    let (layout, precision) = (Layout::new(program), program.precision());
     if !layout.fits() {
         let limit = Layout::RECORD / Program::BLOCK * Layout::width(precision);
-        return Err(GpuError::TooWide { columns: program.columns, limit });
+        return Err(GpuError::TooWide { columns: numbers_a_row(program), limit });
     }
-    let (step, result) = step(program, precision)?;
+    let step = steps(program)?;
     let parts = Parts { program, precision, layout: &layout };
     let mut text = String::with_capacity(SKELETON.len() + 2 * step.len());
     for line in SKELETON.lines() {
@@ -43,7 +43,7 @@ pub fn assemble(program: &Program, precision: Precision) -> Result<String, GpuEr
             "load" => parts.load(),
             "sums" => parts.sums()?,
             "record" => parts.record(),
-            "step" => step.clone() + &result,
+            "step" => step.clone(),
             "split" => parts.split(),
             "move" => parts.move_sums()?,
             "keep" => parts.keep(),
@@ -57,22 +57,39 @@ pub fn assemble(program: &Program, precision: Precision) -> Result<String, GpuEr
     Ok(text)
 }
 
-/// The step, and the assignments that carry its results to the next row.
-fn step(program: &Program, precision: Precision) -> Result<(String, String), WgslError> {
-    let invariants = (0..program.invariants).map(|i| format!("i{i}"));
-    let registers: Vec<String> = (0..program.carried.len()).map(|i| format!("c{i}")).chain(invariants).collect();
-    let columns = (0..program.columns).map(|c| Ok(column(c, precision)));
-    let constants = program.constants.iter().map(|value| literal(*value, precision));
+/// The steps: the only one, or the one that the row's first number names.
+fn steps(program: &Program) -> Result<String, WgslError> {
+    if let [only] = program.steps() {
+        return step(program, only, 0);
+    }
+    let mut text = format!("switch u32({}) {{\n", column(0, program.precision()));
+    for (kind, of) in program.steps().iter().enumerate() {
+        let case = if kind + 1 == program.steps().len() { "default".to_owned() } else { format!("case {kind}u") };
+        let _ = writeln!(text, "    {case}: {{");
+        step(program, of, 1)?.lines().for_each(|line| {
+            let _ = writeln!(text, "        {line}");
+        });
+        text.push_str("    }\n");
+    }
+    Ok(text + "}\n")
+}
+
+/// A step whose columns begin at number `first` of a row, and the assignments that carry its results to the next row.
+fn step(program: &Program, step: &Step, first: usize) -> Result<String, WgslError> {
+    let precision = program.precision();
+    let invariants = (0..program.invariants()).map(|i| format!("i{i}"));
+    let registers: Vec<String> = (0..program.carried().len()).map(|i| format!("c{i}")).chain(invariants).collect();
+    let columns = (0..step.columns()).map(|c| Ok(column(first + c, precision)));
+    let constants = step.constants().iter().map(|value| literal(*value, precision));
     let scalars: Vec<String> = columns.chain(constants).collect::<Result<_, _>>()?;
     let printer = Printer { precision, registers: &registers, scalars: &scalars };
-    let (text, names) = printer.print(&program.step)?;
-    let mut result = String::new();
-    for (i, register) in registers.iter().enumerate().take(program.carried.len()) {
+    let (mut text, names) = printer.print(step.tape())?;
+    for (i, register) in registers.iter().enumerate().take(program.carried().len()) {
         if names[i] != *register {
-            let _ = writeln!(result, "{register} = {};", names[i]);
+            let _ = writeln!(text, "{register} = {};", names[i]);
         }
     }
-    Ok((text, result))
+    Ok(text)
 }
 
 /// Column `c` of the row at hand.
@@ -118,11 +135,11 @@ impl Parts<'_> {
     }
 
     fn invariants(&self) -> String {
-        lines(0..self.program.invariants, |i| format!("let i{i} = prologue[{i}u * stride + candidate];"))
+        lines(0..self.program.invariants(), |i| format!("let i{i} = prologue[{i}u * stride + candidate];"))
     }
 
     fn carried(&self) -> String {
-        lines(0..self.program.carried.len(), |i| format!("var c{i}: Real; // {}", self.program.carried[i].name))
+        lines(0..self.program.carried().len(), |i| format!("var c{i}: Real; // {}", self.program.carried()[i].name))
     }
 
     /// Initial states: uniform ones from the chunk, the others from the prologue; then sums, products, check.
@@ -130,8 +147,8 @@ impl Parts<'_> {
         let width = Layout::width(self.precision);
         let (mut uniform, mut varying) = (0, 0);
         "let initial = chunks[chunk].initial;\n".to_owned()
-            + &lines(0..self.program.carried.len(), |i| match self.program.carried[i].role {
-                Role::State if self.program.varies[i] => {
+            + &lines(0..self.program.carried().len(), |i| match self.program.carried()[i].role {
+                Role::State if self.program.varies()[i] => {
                     varying += 1;
                     format!("c{i} = prologue[(initial + {}u) * stride + candidate];", varying - 1)
                 }
@@ -145,7 +162,7 @@ impl Parts<'_> {
     }
 
     fn load(&self) -> String {
-        lines(0..self.program.carried.len(), |i| match self.program.carried[i].role {
+        lines(0..self.program.carried().len(), |i| match self.program.carried()[i].role {
             Role::State => format!("c{i} = carried[{i}u * stride + candidate];"),
             _ => format!("c{i} = {};", self.neutral(i)),
         })
@@ -153,7 +170,7 @@ impl Parts<'_> {
 
     /// Sums restart at 0 in every chunk, products and the check at 1.
     fn neutral(&self, i: usize) -> &'static str {
-        if self.program.carried[i].role == Role::Sum { "Real(0.0)" } else { "Real(1.0)" }
+        if self.program.carried()[i].role == Role::Sum { "Real(0.0)" } else { "Real(1.0)" }
     }
 
     fn sums(&self) -> Result<String, WgslError> {
@@ -167,37 +184,37 @@ impl Parts<'_> {
 
     /// Carried registers that are summed or multiplied up.
     fn slots(&self) -> impl Iterator<Item = usize> {
-        let carried = self.program.carried.iter().enumerate();
+        let carried = self.program.carried().iter().enumerate();
         carried.filter(|(_, c)| matches!(c.role, Role::Sum | Role::Product)).map(|(i, _)| i)
     }
 
     fn split(&self) -> String {
-        let products = self.slots().filter(|i| self.program.carried[*i].role == Role::Product);
+        let products = self.slots().filter(|i| self.program.carried()[*i].role == Role::Product);
         lines(products, |i| format!("t{i} = t{i} + exponent(c{i});\nc{i} = mantissa(c{i});"))
     }
 
     fn move_sums(&self) -> Result<String, WgslError> {
         let zero = literal(0.0, self.precision)?;
-        let sums = self.slots().filter(|i| self.program.carried[*i].role == Role::Sum);
+        let sums = self.slots().filter(|i| self.program.carried()[*i].role == Role::Sum);
         Ok(lines(sums, |i| format!("t{i} = t{i} + c{i};\nc{i} = {zero};")))
     }
 
     /// States for the next chunk.
     fn keep(&self) -> String {
-        let states = (0..self.program.carried.len()).filter(|i| self.program.carried[*i].role == Role::State);
+        let states = (0..self.program.carried().len()).filter(|i| self.program.carried()[*i].role == Role::State);
         lines(states, |i| format!("carried[{i}u * stride + candidate] = c{i};"))
     }
 
     /// Totals: sums, (exponent, mantissa) of products, the check.
     fn store(&self) -> String {
         let mut total = 0;
-        let others = (0..self.program.carried.len()).filter(|i| self.program.carried[*i].role != Role::State);
+        let others = (0..self.program.carried().len()).filter(|i| self.program.carried()[*i].role != Role::State);
         lines(others, |i| {
             let mut put = |value: String| {
                 total += 1;
                 format!("totals[(total + {}u) * stride + candidate] = {value};", total - 1)
             };
-            match self.program.carried[i].role {
+            match self.program.carried()[i].role {
                 Role::Sum => put(format!("t{i}")),
                 Role::Product => put(format!("t{i}")) + "\n" + &put(format!("c{i}")),
                 Role::State | Role::Check => put(format!("c{i}")),

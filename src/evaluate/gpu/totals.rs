@@ -81,7 +81,7 @@ impl<'a> Sums<'a> {
 fn add(program: &Program, open: &mut [f64], mut next: impl FnMut() -> f64) -> Status {
     let mut status = Status::OK;
     let mut open = open.iter_mut();
-    for carried in &program.carried {
+    for carried in program.carried() {
         match carried.role {
             Role::State => {}
             Role::Check if next() <= 0.0 => status = status.union(Status::NOT_POSITIVE),

@@ -3,8 +3,7 @@
 use super::device::Gpu;
 use super::layout::{Chunk, Entry, Layout, bytes};
 use super::prologue;
-use crate::filter::Program;
-use crate::precision::Precision;
+use crate::filter::{Cursor, Program};
 use std::ops::Range;
 use wgpu::BufferUsages as Usage;
 
@@ -14,12 +13,7 @@ pub(super) fn word(value: usize) -> u32 {
 }
 
 /// The entry of every chunk, with the initial states of its trajectory that are the same for every candidate.
-pub(super) fn entries(
-    gpu: &Gpu,
-    program: &Program,
-    layout: &Layout,
-    (baseline, precision): (&[f64], Precision),
-) -> wgpu::Buffer {
+pub(super) fn entries(gpu: &Gpu, program: &Program, layout: &Layout, baseline: &[f64]) -> wgpu::Buffer {
     let mut data = vec![0; layout.entry_bytes() * layout.chunks.len()];
     let rounds = layout.rounds.iter().flat_map(|round| round.chunks.clone().map(move |c| (c, round)));
     let chunks = layout.chunks.iter().zip(layout.begins()).zip(rounds);
@@ -29,15 +23,15 @@ pub(super) fn entries(
             rows: word(chunk.rows.len()),
             first: u32::from(chunk.first),
             last: u32::from(chunk.last),
-            initial: word(program.invariants + (chunk.trajectory - round.trajectories.start) * layout.varying),
+            initial: word(program.invariants() + (chunk.trajectory - round.trajectories.start) * layout.varying),
             totals: word((c - round.chunks.start) * layout.totals_a_chunk),
             reserved: [0; 2],
         };
         let (head, starts) = slot.split_at_mut(size_of::<Entry>());
         head.copy_from_slice(bytemuck::bytes_of(&entry));
         if chunk.first {
-            let values = prologue::starts(program, &program.spans[chunk.trajectory], baseline);
-            let values = bytes(values, precision);
+            let values = prologue::starts(program, &program.spans()[chunk.trajectory], baseline);
+            let values = bytes(values, program.precision());
             starts[..values.len()].copy_from_slice(&values);
         }
     }
@@ -55,15 +49,19 @@ pub(super) fn record_bytes(gpu: &Gpu, layout: &Layout) -> u64 {
 
 /// The record of every dispatch in one buffer, its chunks one behind the other; dispatches overlap in the padding that each
 /// binds behind its own.
-pub(super) fn record(gpu: &Gpu, program: &Program, layout: &Layout, precision: Precision) -> (wgpu::Buffer, Vec<u32>) {
+pub(super) fn record(gpu: &Gpu, program: &Program, layout: &Layout) -> (wgpu::Buffer, Vec<u32>) {
     let alignment = gpu.limits.min_uniform_buffer_offset_alignment.max(16) as usize;
     let mut offsets = Vec::with_capacity(layout.dispatches.len());
     let mut data: Vec<u8> = Vec::new();
+    let mut cursor = program.cursor(0);
     for dispatch in &layout.dispatches {
         data.resize(data.len().next_multiple_of(alignment), 0);
         offsets.push(word(data.len()));
         for chunk in &layout.chunks[dispatch.clone()] {
-            data.extend(chunk_record(program, layout, chunk, precision));
+            if chunk.first {
+                cursor = program.cursor(chunk.trajectory);
+            }
+            data.extend(chunk_record(program, layout, chunk, &mut cursor));
         }
     }
     data.resize(data.len() + 16 * Layout::RECORD, 0);
@@ -76,12 +74,15 @@ fn upload(gpu: &Gpu, label: &str, data: &[u8], usage: Usage) -> wgpu::Buffer {
     buffer
 }
 
-/// The record of a chunk, each row padded to whole packs.
-fn chunk_record(program: &Program, layout: &Layout, chunk: &Chunk, precision: Precision) -> Vec<u8> {
-    let padded = layout.packs_a_row * Layout::width(precision);
+/// The record of a chunk, each row padded to whole packs. Where there are several steps, a row begins with its own.
+fn chunk_record(program: &Program, layout: &Layout, chunk: &Chunk, cursor: &mut Cursor<'_>) -> Vec<u8> {
+    let (several, padded) = (program.steps().len() > 1, layout.packs_a_row * Layout::width(program.precision()));
     let row = |row: usize| {
-        let values = &program.record[row * program.columns..(row + 1) * program.columns];
-        values.iter().copied().chain(std::iter::repeat_n(0.0, padded - program.columns))
+        #[expect(clippy::cast_precision_loss, reason = "a handful of kinds")]
+        let kind = several.then_some(program.kind(row) as f64);
+        let (_, columns) = cursor.step(row);
+        let rest = padded - columns.len() - usize::from(several);
+        kind.into_iter().chain(columns.iter().copied()).chain(std::iter::repeat_n(0.0, rest))
     };
-    bytes(chunk.rows.clone().flat_map(row), precision)
+    bytes(chunk.rows.clone().flat_map(row), program.precision())
 }

@@ -1,25 +1,20 @@
 //! Objectives of the innovations: `mse_innovation`, `nis`, and what others share with them.
 
-use super::{Pools, Scoring, Sum, Traced};
+use super::{Pools, Scoring, Traced};
 use crate::objective::Objective;
 
-/// The sum of NIS over the rows that score.
-pub(super) fn nis_sum(objective: &Objective, scoring: &mut Scoring<'_>) -> Sum {
-    let skip = objective.skip;
-    let total = scoring.nis();
-    let weight = scoring.weight(|place| f64::from(u8::from(place.k >= skip)));
-    scoring.sum(total, weight)
-}
-
 /// Number of present components over the rows that score.
-pub(super) fn component_counts(objective: &Objective, scoring: &mut Scoring<'_>) -> Vec<f64> {
+pub(super) fn component_counts(objective: &Objective, scoring: &mut Scoring<'_, '_>) -> Vec<f64> {
     let skip = objective.skip;
     scoring.counts(|place| if place.k >= skip { count(place.components()) } else { 0.0 })
 }
 
 /// `nis` and `nis_mean`.
-pub(super) fn trace_nis(objective: &Objective, scoring: &mut Scoring<'_>) -> Traced {
-    Traced { sums: vec![nis_sum(objective, scoring)], counts: component_counts(objective, scoring) }
+pub(super) fn trace_nis(objective: &Objective, scoring: &mut Scoring<'_, '_>) -> Traced {
+    let skip = objective.skip;
+    let weight = scoring.weight(|place| f64::from(u8::from(place.k >= skip)));
+    let nis = scoring.nis();
+    Traced { sums: vec![scoring.sum(nis, weight)], counts: component_counts(objective, scoring) }
 }
 
 /// sum NIS / number of present components: 1 when consistent.
@@ -33,7 +28,7 @@ pub(super) fn finish_nis(pools: &Pools<'_>) -> f64 {
 }
 
 /// `mse_innovation` (f1): one sum of nu^2 of the present components.
-pub(super) fn trace_mse(objective: &Objective, scoring: &mut Scoring<'_>) -> Traced {
+pub(super) fn trace_mse(objective: &Objective, scoring: &mut Scoring<'_, '_>) -> Traced {
     let skip = objective.skip;
     let sums = (0..scoring.measurements())
         .map(|i| {

@@ -5,7 +5,7 @@ use crate::objective::Objective;
 use std::cell::LazyCell;
 
 /// Sums: m for Ca over the window, then m for Ct over the window, or over its last row with `ct = "last"`.
-pub(super) fn trace(objective: &Objective, scoring: &mut Scoring<'_>) -> Traced {
+pub(super) fn trace(objective: &Objective, scoring: &mut Scoring<'_, '_>) -> Traced {
     let (skip, window) = (objective.skip, objective.window);
     let last = if objective.ct_last { 1 } else { window };
     let rows = scoring.rows();

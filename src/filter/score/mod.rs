@@ -9,13 +9,13 @@ mod scoring;
 mod tests;
 mod truth;
 
-pub(crate) use scoring::{Pools, Scoring, Sum, Traced};
+pub(crate) use scoring::{Pools, Scoring, Traced};
 
 use crate::objective::{Kind, Objective};
 
 impl Objective {
     /// Adds what the objective needs to a filter that is being traced.
-    pub(crate) fn trace(&self, scoring: &mut Scoring<'_>) -> Traced {
+    pub(crate) fn trace(&self, scoring: &mut Scoring<'_, '_>) -> Traced {
         match self.kind {
             Kind::Nll => likelihood::trace(self, scoring),
             Kind::MseInnovation => innovation::trace_mse(self, scoring),

@@ -1,31 +1,30 @@
 //! What objectives see of a filter while it is traced, and of its sums when it has run.
 
-use crate::filter::columns::{Columns, Key, Place, Rows};
-use crate::filter::covariance::Covariance;
-use crate::filter::kalman::Update;
-use crate::filter::nominal::Nominal;
-use crate::filter::program::Role;
-use crate::filter::units::Units;
-use crate::model::Problem;
-use crate::tape::{Graph, Id, Unary};
+use crate::filter::carried::Role;
+use crate::filter::columns::Key;
+use crate::filter::evidence::{Evidence, Factor};
+use crate::filter::rows::{Place, Rows};
+use crate::filter::tracer::Tracer;
+use crate::tape::{Id, Unary};
 use std::f64::consts::LN_2;
 
 /// Offers one row of the traced filter to the objectives and collects their sums.
-pub(crate) struct Scoring<'a> {
-    pub(in crate::filter) g: &'a mut Graph,
-    pub(in crate::filter) columns: &'a mut Columns,
-    pub(in crate::filter) rows: &'a Rows<'a>,
-    pub(in crate::filter) problem: &'a Problem,
-    pub(in crate::filter) nominal: Option<&'a Nominal>,
-    pub(in crate::filter) units: &'a Units,
-    pub(in crate::filter) update: &'a Update,
-    pub(in crate::filter) x: &'a [Id],
-    pub(in crate::filter) p: &'a Covariance,
-    pub(in crate::filter) sums: &'a mut Vec<(Role, Id)>,
+pub(crate) struct Scoring<'a, 'b> {
+    t: &'a mut Tracer<'b>,
+    evidence: &'a Evidence,
+    sums: Vec<(Role, Id)>,
     /// What a candidate fails without.
-    pub(in crate::filter) positive: &'a mut Vec<Id>,
+    positive: Vec<Id>,
     /// Which scorer is being traced, and how many of its columns there are so far: the same in every round of refinement.
-    pub(in crate::filter) asked: (usize, usize),
+    asked: (usize, usize),
+}
+
+/// How much each row counts.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Weight {
+    id: Id,
+    /// Over all rows of the log.
+    total: f64,
 }
 
 /// A node in units of 2^`exponent` of the problem's own.
@@ -53,48 +52,79 @@ pub(crate) struct Traced {
     pub(crate) counts: Vec<f64>,
 }
 
-impl<'a> Scoring<'a> {
+impl Traced {
+    /// The same with its sums in the slots `of` those that were asked for.
+    pub(in crate::filter) fn in_slots(&self, of: &[usize]) -> Self {
+        let sums = self.sums.iter().map(|sum| Sum { slot: of[sum.slot], ..*sum }).collect();
+        Self { sums, counts: self.counts.clone() }
+    }
+}
+
+impl<'a, 'b> Scoring<'a, 'b> {
+    pub(in crate::filter) fn new(t: &'a mut Tracer<'b>, evidence: &'a Evidence) -> Self {
+        let factors = evidence.factors.iter().map(|factor| factor.value);
+        let positive = factors.chain(evidence.positive.iter().copied()).collect();
+        Self { t, evidence, sums: vec![], positive, asked: (0, 0) }
+    }
+
+    /// For scorer number `scorer`.
+    pub(in crate::filter) const fn asked_by(&mut self, scorer: usize) -> &mut Self {
+        self.asked = (scorer, 0);
+        self
+    }
+
+    /// What is summed up, and what a candidate fails without.
+    pub(in crate::filter) fn finish(self) -> (Vec<(Role, Id)>, Vec<Id>) {
+        (self.sums, self.positive)
+    }
+
     /// Number of measurements, m.
-    pub(crate) fn measurements(&self) -> usize {
-        self.update.nu.len()
+    pub(crate) const fn measurements(&self) -> usize {
+        self.evidence.innovation.len()
     }
 
     /// Squared joint innovation of measurement `i`.
     pub(crate) fn squared_innovation(&mut self, i: usize) -> Scaled {
-        let id = self.g.mul(self.update.nu[i], self.update.nu[i]);
+        let innovation = self.evidence.innovation[i];
+        let id = self.t.g.mul(innovation, innovation);
         self.variance(i, id)
     }
 
     /// Diagonal entry `i` of the joint S.
     pub(crate) fn innovation_variance(&self, i: usize) -> Scaled {
-        self.variance(i, self.update.S_diagonal[i])
-    }
-
-    /// Decorrelated innovation variance `i`; det S is their product.
-    pub(crate) fn pivot(&self, i: usize) -> Scaled {
-        self.variance(i, self.update.pivots[i])
+        self.variance(i, self.evidence.spread[i])
     }
 
     /// In the squared unit of measurement `i`.
     fn variance(&self, i: usize, id: Id) -> Scaled {
-        Scaled { id, exponent: 2 * self.units.measurements[i] }
+        Scaled { id, exponent: 2 * self.t.units.measurements[i] }
     }
 
-    /// The NIS of the row: the sum of its shares, 0 where missing.
+    /// The factors of the likelihood of the row, each with the component of the measurement that it stands for.
+    pub(crate) fn factors(&self) -> Vec<(usize, Scaled)> {
+        let factor = |factor: &Factor| (factor.component, self.variance(factor.component, factor.value));
+        self.evidence.factors.iter().map(factor).collect()
+    }
+
+    /// The exponent of the likelihood of the row, times -2; 0 where nothing is measured.
+    pub(crate) const fn exponent(&self) -> Scaled {
+        Scaled { id: self.evidence.exponent, exponent: 0 }
+    }
+
+    /// The NIS of the row, 0 where nothing is measured.
     pub(crate) fn nis(&mut self) -> Scaled {
-        let zero = self.g.constant(0.0);
-        let id = self.update.nis.iter().fold(zero, |sum, part| self.g.add(sum, *part));
-        Scaled { id, exponent: 0 }
+        let nan = self.t.g.constant(f64::NAN);
+        Scaled { id: self.evidence.nis.unwrap_or(nan), exponent: 0 }
     }
 
     /// Number of states, n.
     pub(crate) fn states(&self) -> usize {
-        self.x.len()
+        self.evidence.state.len()
     }
 
     /// The rows that are scored.
-    pub(crate) const fn rows(&self) -> &'a Rows<'a> {
-        self.rows
+    pub(crate) const fn rows(&self) -> &'b Rows<'b> {
+        self.t.rows
     }
 
     fn next_key(&mut self) -> (usize, usize) {
@@ -102,18 +132,19 @@ impl<'a> Scoring<'a> {
         self.asked
     }
 
-    /// A number per row, as a node.
-    pub(crate) fn weight(&mut self, weight: impl Fn(Place<'_>) -> f64) -> Id {
+    /// How much each row counts.
+    pub(crate) fn weight(&mut self, weight: impl Fn(Place<'_>) -> f64) -> Weight {
         let (scorer, part) = self.next_key();
-        let rows = self.rows;
-        self.columns.node(self.g, Key::Weight(scorer, part), || rows.places().map(weight).collect())
+        let key = Key::Weight(scorer, part);
+        let id = self.t.column(key, weight);
+        Weight { id, total: self.t.columns.total(key, self.t.rows.len()) }
     }
 
     /// Sums of a number per row, one a trajectory.
     pub(crate) fn counts(&mut self, count: impl Fn(Place<'_>) -> f64) -> Vec<f64> {
         let key = self.next_key();
-        let rows = self.rows;
-        self.columns.counts(key, || {
+        let rows = self.t.rows;
+        self.t.columns.counts(key, || {
             let mut counts = vec![0.0; rows.log.trajectories.len()];
             rows.places().for_each(|place| counts[place.index] += count(place));
             counts
@@ -122,55 +153,56 @@ impl<'a> Scoring<'a> {
 
     /// Column of the truth table that belongs to state `i`.
     pub(crate) fn truth_column(&self, i: usize) -> Option<usize> {
-        self.rows.log.truth.iter().position(|name| *name == self.problem.model.states[i])
+        self.t.rows.log.truth.iter().position(|name| *name == self.t.problem.model.states[i])
     }
 
     /// Posterior error x - truth of state `i`, meaningless where the truth is unknown.
     pub(crate) fn error(&mut self, i: usize) -> Id {
-        let (column, rows) = (self.truth_column(i), self.rows);
+        let column = self.truth_column(i);
         let known =
             |place: Place<'_>| column.map_or(0.0, |c| Some(place.truth(c)).filter(|t| !t.is_nan()).unwrap_or(0.0));
-        let mut truth = self.columns.node(self.g, Key::Truth(i), || rows.places().map(known).collect());
-        if let Some(nominal) = self.nominal {
-            let nominal = self.columns.node(self.g, Key::Nominal(i), || nominal.at(i));
-            truth = self.g.sub(truth, nominal);
+        let t = &mut *self.t;
+        let mut truth = t.column(Key::Truth(i), known);
+        if let Some(nominal) = t.nominal {
+            let nominal = t.columns.node(&mut t.g, Key::Nominal(i), || nominal.at(i));
+            truth = t.g.sub(truth, nominal);
         }
-        truth = self.g.scale(truth, -self.units.states[i]);
-        self.g.sub(self.x[i], truth)
+        truth = t.g.scale(truth, -t.units.states[i]);
+        t.g.sub(self.evidence.state[i], truth)
     }
 
     /// Sum of the squared errors of some states, in the largest of their units.
     pub(crate) fn squared_error(&mut self, states: &[usize]) -> Scaled {
-        let unit = states.iter().map(|i| self.units.states[*i]).max().unwrap_or(0);
+        let unit = states.iter().map(|i| self.t.units.states[*i]).max().unwrap_or(0);
         let error = |i: &usize| {
             let error = self.error(*i);
-            self.g.scale(error, self.units.states[*i] - unit)
+            self.t.g.scale(error, self.t.units.states[*i] - unit)
         };
         let errors: Vec<Id> = states.iter().map(error).collect();
-        Scaled { id: self.g.dot(errors.iter().map(|e| (*e, *e))), exponent: 2 * unit }
+        Scaled { id: self.t.g.dot(errors.iter().map(|e| (*e, *e))), exponent: 2 * unit }
     }
 
     /// Square root of a squared error.
     pub(crate) fn sqrt(&mut self, a: Scaled) -> Scaled {
-        Scaled { id: self.g.unary(Unary::Sqrt, a.id), exponent: a.exponent / 2 }
+        Scaled { id: self.t.g.unary(Unary::Sqrt, a.id), exponent: a.exponent / 2 }
     }
 
     /// Normalised squared posterior error e' P^-1 e of all states where `gate` is positive, else 0. There P must be positive
     /// definite.
-    pub(crate) fn normalised_error(&mut self, gate: Id) -> Scaled {
+    pub(crate) fn normalised_error(&mut self, gate: Weight) -> Scaled {
         let errors: Vec<Id> = (0..self.states()).map(|i| self.error(i)).collect();
-        let (square, pivots) = self.p.normalised_square(self.g, &errors);
-        let (zero, one) = (self.g.constant(0.0), self.g.constant(1.0));
+        let (square, pivots) = self.evidence.covariance.normalised_square(&mut self.t.g, &errors);
+        let (zero, one) = (self.t.g.constant(0.0), self.t.g.constant(1.0));
         for pivot in pivots {
-            let positive = self.g.select(gate, pivot, one);
+            let positive = self.t.g.select(gate.id, pivot, one);
             self.positive.push(positive);
         }
-        Scaled { id: self.g.select(gate, square, zero), exponent: 0 }
+        Scaled { id: self.t.g.select(gate.id, square, zero), exponent: 0 }
     }
 
     /// Adds `weight * value` up over the rows of a trajectory.
-    pub(crate) fn sum(&mut self, value: Scaled, weight: Id) -> Sum {
-        let id = self.g.mul(value.id, weight);
+    pub(crate) fn sum(&mut self, value: Scaled, weight: Weight) -> Sum {
+        let id = self.t.g.mul(value.id, weight.id);
         self.total_of(Scaled { id, ..value })
     }
 
@@ -182,20 +214,17 @@ impl<'a> Scoring<'a> {
 
     /// Multiplies `value` up over the rows where `gate`, 0 or 1, is positive; the slot holds the logarithm of the product,
     /// which stays 0 once a factor was not positive.
-    pub(crate) fn log_product(&mut self, value: Scaled, gate: Id) -> Sum {
-        let one = self.g.constant(1.0);
-        let positive = self.g.unary(Unary::Positive, value.id);
-        let factor = self.g.select(gate, positive, one);
-        let factors = self.columns.sum(self.g, gate, self.rows.len());
+    pub(crate) fn log_product(&mut self, value: Scaled, gate: Weight) -> Sum {
+        let one = self.t.g.constant(1.0);
+        let positive = self.t.g.unary(Unary::Positive, value.id);
+        let factor = self.t.g.select(gate.id, positive, one);
         let slot = self.slot(Role::Product, factor);
-        Sum { slot, factor: 1.0, offset: factors * f64::from(value.exponent) * LN_2 }
+        Sum { slot, factor: 1.0, offset: gate.total * f64::from(value.exponent) * LN_2 }
     }
 
     fn slot(&mut self, role: Role, value: Id) -> usize {
-        self.sums.iter().position(|s| *s == (role, value)).unwrap_or_else(|| {
-            self.sums.push((role, value));
-            self.sums.len() - 1
-        })
+        self.sums.push((role, value));
+        self.sums.len() - 1
     }
 }
 

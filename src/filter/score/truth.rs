@@ -11,14 +11,14 @@ fn known(place: Place<'_>, columns: &[Option<usize>], skip: usize) -> f64 {
 }
 
 /// The named states, or all that have truth.
-fn compared(objective: &Objective, scoring: &Scoring<'_>) -> Vec<usize> {
+fn compared(objective: &Objective, scoring: &Scoring<'_, '_>) -> Vec<usize> {
     if objective.states.is_empty() {
         return (0..scoring.states()).filter(|i| scoring.truth_column(*i).is_some()).collect();
     }
     objective.states.clone()
 }
 
-fn with_truth(objective: &Objective, scoring: &mut Scoring<'_>, states: &[usize], root: bool) -> Traced {
+fn with_truth(objective: &Objective, scoring: &mut Scoring<'_, '_>, states: &[usize], root: bool) -> Traced {
     let (columns, skip) = (states.iter().map(|i| scoring.truth_column(*i)).collect::<Vec<_>>(), objective.skip);
     let weight = scoring.weight(|place| known(place, &columns, skip));
     let counts = scoring.counts(|place| known(place, &columns, skip));
@@ -30,7 +30,7 @@ fn with_truth(objective: &Objective, scoring: &mut Scoring<'_>, states: &[usize]
 }
 
 /// `rmse`: squared error of the named states.
-pub(super) fn trace_rmse(objective: &Objective, scoring: &mut Scoring<'_>) -> Traced {
+pub(super) fn trace_rmse(objective: &Objective, scoring: &mut Scoring<'_, '_>) -> Traced {
     with_truth(objective, scoring, &compared(objective, scoring), false)
 }
 
@@ -40,7 +40,7 @@ pub(super) fn finish_rmse(pools: &Pools<'_>) -> f64 {
 }
 
 /// `distance`: Euclidean error of the named states.
-pub(super) fn trace_distance(objective: &Objective, scoring: &mut Scoring<'_>) -> Traced {
+pub(super) fn trace_distance(objective: &Objective, scoring: &mut Scoring<'_, '_>) -> Traced {
     with_truth(objective, scoring, &compared(objective, scoring), true)
 }
 
@@ -50,7 +50,7 @@ pub(super) fn finish_distance(pools: &Pools<'_>) -> f64 {
 }
 
 /// `nees`: e' P^-1 e where the truth of all states is known; counts are rows x n.
-pub(super) fn trace_nees(objective: &Objective, scoring: &mut Scoring<'_>) -> Traced {
+pub(super) fn trace_nees(objective: &Objective, scoring: &mut Scoring<'_, '_>) -> Traced {
     let states: Vec<usize> = (0..scoring.states()).collect();
     let (columns, skip) = (states.iter().map(|i| scoring.truth_column(*i)).collect::<Vec<_>>(), objective.skip);
     let weight = scoring.weight(|place| known(place, &columns, skip));

@@ -109,7 +109,7 @@ fn lanes(problem: &Problem, log: &Log, free: usize) -> Result<CpuEvaluator, Stri
     let lanes = CpuEvaluator::with_objectives(problem, log, &likelihood, CpuOptions::default());
     let lanes = lanes.map_err(|error| error.to_string())?;
     let runs = evaluations(free);
-    if runs as f64 * log.rows() as f64 * lanes.program().step.operations.len() as f64 > WORK {
+    if runs as f64 * lanes.program().operations() as f64 > WORK {
         let rows = log.rows();
         return Err(format!("they would take {runs} evaluations over {rows} rows (tune fewer parameters)"));
     }

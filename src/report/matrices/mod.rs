@@ -10,7 +10,7 @@ use serde::{Serialize, Serializer};
 
 use super::number::{exact, short};
 use crate::data::Log;
-use crate::model::{Expr, FilterKind, Problem, Symbol};
+use crate::model::{Adapts, Expr, FilterKind, Problem, Symbol};
 use crate::reference::{self, Steady};
 use formula::Writer;
 
@@ -171,7 +171,7 @@ impl Matrices {
     /// Gives the gain where matrices that stay as they are lead to one.
     fn settle(&mut self, problem: &Problem, candidate: &[f64]) {
         let varies = [&self.F, &self.H, &self.Q, &self.R].iter().any(|matrix| matrix.varies());
-        if varies || problem.filter.is_adaptive() {
+        if varies || problem.filter.facts().adapts != Adapts::Nothing {
             return;
         }
         // Without an interval nothing depends on it, or an entry would vary.
@@ -199,12 +199,10 @@ pub(super) fn differ_in_unit(problem: &Problem, states: &[usize]) -> bool {
 }
 
 /// Which of the matrices printed is a start only.
-const fn adapted(kind: &FilterKind) -> Option<&'static str> {
-    match kind {
-        FilterKind::Kalman => None,
-        FilterKind::SageHusa { .. } => Some("Q is where each trajectory starts; the filter adapts it"),
-        FilterKind::SageHusaR { .. } | FilterKind::Fuzzy { .. } => {
-            Some("R is where each trajectory starts; the filter adapts it")
-        }
+fn adapted(kind: &FilterKind) -> Option<&'static str> {
+    match kind.facts().adapts {
+        Adapts::Nothing => None,
+        Adapts::ProcessNoise => Some("Q is where each trajectory starts; the filter adapts it"),
+        Adapts::MeasurementNoise => Some("R is where each trajectory starts; the filter adapts it"),
     }
 }

@@ -114,12 +114,7 @@ impl Canon {
             self.0.text(setting.key);
             self.formula(setting.formula);
         }
-        match filter {
-            FilterKind::Fuzzy { window, gain: _, width: _ } => self.0.number(*window as u64),
-            FilterKind::Kalman
-            | FilterKind::SageHusa { forgetting: _ }
-            | FilterKind::SageHusaR { forgetting: _, floor: _ } => {}
-        }
+        filter.sizes().into_iter().for_each(|size| self.0.number(size as u64));
     }
 
     fn tune(&mut self, tune: &TuneSpec) {

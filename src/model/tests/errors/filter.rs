@@ -1,7 +1,7 @@
 //! The `[filter]` table.
 
 use super::{SOUND, check, error};
-use crate::model::{FilterKind, Problem};
+use crate::model::{Adapts, FilterKind, Fuzzy, Problem};
 
 #[test]
 fn kinds_and_settings() {
@@ -86,8 +86,10 @@ fn settings_have_the_defaults_of_the_study() {
     ] {
         let filter = filter(&format!("\"{name}\""));
         assert_eq!((filter.name(), values(&filter)), (name, expected));
-        assert_eq!(filter.is_adaptive(), name != "kalman", "{name}");
+        assert_eq!(filter.facts().adapts == Adapts::Nothing, name == "kalman", "{name}");
     }
-    assert!(matches!(filter("\"fuzzy\""), FilterKind::Fuzzy { window: 15, .. }), "fifteen squared innovations");
-    assert!(FilterKind::NAMES.contains(&"fuzzy"), "every name has a kind");
+    assert!(matches!(filter("\"fuzzy\""), FilterKind::Fuzzy(Fuzzy { window: 15, .. })), "fifteen squared innovations");
+    for name in FilterKind::NAMES {
+        assert_eq!(filter(&format!("\"{name}\"")).name(), *name, "every name has its kind");
+    }
 }

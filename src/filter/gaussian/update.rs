@@ -1,20 +1,21 @@
-//! The linear Kalman filter, traced: Särkkä, *Bayesian Filtering and Smoothing* (2013), theorem 4.2, with the update taken
+//! The measurement update of a gaussian, traced: Särkkä, *Bayesian Filtering and Smoothing* (2013), theorem 4.2, taken
 //! one decorrelated scalar at a time (Bierman 1977, ch. V), so that nothing is ever inverted.
 #![expect(non_snake_case, reason = "Kalman notation: F, H, Q, R, P, S, K")]
 
-use super::covariance::{Covariance, Gain, Scalar};
-use super::symmetric::Symmetric;
+use super::Covariance;
+use super::scalar::{Gain, Scalar};
+use crate::filter::symmetric::Symmetric;
 use crate::tape::{Graph, Id};
 
-/// One row's worth of the recursion, as nodes: x' = F x + drift + w, z = H x + v.
+/// The measurement of one row, as nodes: z = H x + v.
 ///
-/// With a nominal (the deviation form) x is the deviation from it, and drift and z are corrected for it: exact algebra.
-pub(super) struct Recursion {
-    pub(super) F: Vec<Vec<Id>>,
+/// With a nominal (the deviation form) x is the deviation from it, and z is corrected for it: exact algebra.
+pub(super) struct Measurement {
     pub(super) H: Vec<Vec<Id>>,
-    pub(super) Q: Covariance,
     pub(super) R: Symmetric,
-    pub(super) drift: Vec<Id>,
+    /// Joint innovation z - H x, m; meaningless where missing.
+    pub(super) nu: Vec<Id>,
+    /// What z is without the part of it that does not depend on x.
     pub(super) z: Vec<Id>,
     /// 1 where a component updates, 0 where it is missing.
     pub(super) present: Vec<Id>,
@@ -24,8 +25,6 @@ pub(super) struct Recursion {
 
 /// What an update yields besides the posterior.
 pub(super) struct Update {
-    /// Joint innovation z - H x, m; meaningless where missing.
-    pub(super) nu: Vec<Id>,
     /// Diagonal of the joint S = H P H' + R, m.
     pub(super) S_diagonal: Vec<Id>,
     /// Variances of the decorrelated innovations: their product is det S over the present components.
@@ -36,33 +35,17 @@ pub(super) struct Update {
     pub(super) correction: Vec<Id>,
 }
 
-impl Recursion {
-    /// x <- F x + drift, P <- F P F' + Q.
-    pub(super) fn predict(&self, g: &mut Graph, x: &[Id], P: &Covariance) -> (Vec<Id>, Covariance) {
-        let mut next = Vec::with_capacity(x.len());
-        for (row, drift) in self.F.iter().zip(&self.drift) {
-            let moved = g.dot(row.iter().copied().zip(x.iter().copied()));
-            next.push(g.add(moved, *drift));
-        }
-        (next, P.propagate(g, &self.F, &self.Q))
-    }
-
+impl Measurement {
     /// The measurement update. R = L D L' decorrelates the components (L unit, so the likelihood needs no Jacobian);
     /// with a missing component its row of H, its innovation and its row of R are 0 and its variance is 1.
     pub(super) fn update(&self, g: &mut Graph, x: &[Id], P: &Covariance) -> (Update, Vec<Id>, Covariance) {
         let (n, m) = (x.len(), self.H.len());
         let zero = g.constant(0.0);
         let correlated = self.correlated(g);
-        let nu: Vec<Id> = (0..m)
-            .map(|i| {
-                let predicted = g.dot(self.H[i].iter().copied().zip(x.iter().copied()));
-                g.sub(self.z[i], predicted)
-            })
-            .collect();
         let S_diagonal = (0..m).map(|i| P.variance(g, &self.H[i], self.R.at(i, i))).collect();
-        let mut update = Update { nu, S_diagonal, pivots: vec![], nis: vec![], correction: vec![] };
+        let mut update = Update { S_diagonal, pivots: vec![], nis: vec![], correction: vec![] };
         // Anchored, each component is held against x as it is by then; else against what moved since the joint innovation.
-        let from = if self.anchored { &self.z } else { &update.nu };
+        let from = if self.anchored { &self.z } else { &self.nu };
         let (rows, D, gates) = if correlated { self.decorrelate(g, from) } else { self.diagonal(from) };
         let (mut dx, mut P, mut at) = (vec![zero; n], P.clone(), x.to_vec());
         for ((H, from), (D, gate)) in rows.iter().zip(D.iter().zip(&gates)) {
@@ -90,7 +73,7 @@ impl Recursion {
         Symmetric::places(self.R.n()).any(|(i, j)| i != j && !g.is(self.R.at(i, j), 0.0))
     }
 
-    /// The presence of the components that see state `i` alone, and each by itself.
+    /// The presence of the components that see state `i` by itself, each by itself.
     pub(super) fn alone(&self, g: &Graph, i: usize) -> Vec<Id> {
         let sees = |row: &&Vec<Id>| (0..row.len()).all(|j| (j == i) != g.is(row[j], 0.0));
         let rows = self.H.iter().zip(&self.present).filter(|(row, _)| sees(row));

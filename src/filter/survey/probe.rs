@@ -4,17 +4,23 @@
 //! P grows in the middle of a log where nothing is measured for long, or where H is next to nothing, as at a diffuse start.
 //! Only logs in which something comes back into sight after a gap, or starts that are diffuse, are looked at.
 
-use super::columns::Rows;
-use super::covariance::Covariance;
-use super::error::TraceError;
-use super::form::{Carrying, Form, over_rows};
-use super::kalman::Recursion;
-use super::program::{Program, Role};
-use super::trace::trace_rows;
-use super::tracer::Tracer;
-use crate::model::{Parameters, Problem, Search};
+use super::sight::Sight;
+use super::{Survey, range, units};
+use crate::filter::carried::Role;
+use crate::filter::columns::{Columns, Key};
+use crate::filter::error::TraceError;
+use crate::filter::evidence::Evidence;
+use crate::filter::form::{Carrying, Form};
+use crate::filter::gaussian::Covariance;
+use crate::filter::program::{Initial, Program};
+use crate::filter::rounds::trace_rows;
+use crate::filter::rows::Rows;
+use crate::filter::step::{self, Request};
+use crate::filter::tracer::Tracer;
+use crate::model::Parameters;
+use crate::precision::Precision;
+use crate::tape::Id;
 use crate::tape::lanes::{Register, run_apart};
-use crate::tape::{Graph, Id};
 use std::f64::consts::PI;
 
 /// Candidates side by side.
@@ -41,19 +47,17 @@ pub(super) struct Watch {
 }
 
 impl Probe {
-    /// Runs the probe where a start is `diffuse` or the log has a gap; `h` is what each row's H sees, see [`Sight`].
-    pub(super) fn run(
-        problem: &Problem,
-        rows: &Rows<'_>,
-        h: &Sight,
-        diffuse: bool,
-    ) -> Result<Option<Self>, TraceError> {
-        let watch = Watch::new(rows, h);
+    /// Runs the probe where a start is `diffuse` or the log has a gap, of measurements or of what H sees.
+    pub(super) fn run(survey: &Survey<'_>, diffuse: bool) -> Result<Option<Self>, TraceError> {
+        let (problem, rows) = (survey.t.problem, survey.t.rows);
+        let watch = Watch::new(rows, &Sight::new(survey));
         if !diffuse && watch.after.iter().all(|after| *after <= 0.0) {
             return Ok(None);
         }
         let carrying = Carrying { form: Form::Full, anchored: false };
-        let program = trace_rows(problem, rows, &[], None, carrying, Some(&watch))?;
+        let units = units::choose(survey, Precision::F64);
+        let request = Request { objectives: &[], nominal: None, carrying, units: &units, watch: Some(&watch) };
+        let program = trace_rows(problem, rows, &mut Columns::default(), &request)?;
         let n = problem.model.states.len();
         let mut probe = Self { start: 0.0, after: 0.0, track: vec![0.0; n * watch.after.len()] };
         for (block, candidates) in probed(&problem.parameters).chunks(LANES).enumerate() {
@@ -61,7 +65,7 @@ impl Probe {
             run_lanes(&program, candidates, |row, seen| {
                 if block == 0 {
                     let track = &mut probe.track[row * n..(row + 1) * n];
-                    let units = program.units.states.iter().map(|exponent| 2.0_f64.powi(*exponent));
+                    let units = program.units().states.iter().map(|exponent| 2.0_f64.powi(*exponent));
                     track.iter_mut().zip(seen).zip(units).for_each(|((x, seen), unit)| *x = seen.lanes()[0] * unit);
                 }
                 for (sums, seen) in sums.iter_mut().zip(&seen[n..]) {
@@ -77,36 +81,6 @@ impl Probe {
             probe.after = probe.after.max(largest(sums[1]));
         }
         Ok(Some(probe))
-    }
-}
-
-/// What the baseline's H sees of the states: the norm of each of its rows in each used row of the log, or of one row for all
-/// where H is constant.
-pub(super) struct Sight {
-    norms: Vec<f64>,
-    /// The largest of each component.
-    largest: Vec<f64>,
-}
-
-impl Sight {
-    /// Share of a component's largest norm below which it sees nothing: as good as a missing measurement.
-    const BLIND: f64 = 1e-3;
-
-    pub(super) fn new(tracer: &mut Tracer<'_>) -> Result<Self, TraceError> {
-        let (jacobian, _) = tracer.measurement_map(&tracer.problem.parameters.baseline())?;
-        let (m, n) = (jacobian.len(), tracer.problem.model.states.len());
-        let mut entries = Vec::new();
-        over_rows(tracer, &jacobian.concat(), |value| entries.push(value));
-        let norms: Vec<f64> = entries.chunks(n).map(|row| row.iter().map(|h| h * h).sum::<f64>().sqrt()).collect();
-        let mut largest = vec![0.0_f64; m];
-        norms.chunks(m).for_each(|row| largest.iter_mut().zip(row).for_each(|(most, norm)| *most = most.max(*norm)));
-        Ok(Self { norms, largest })
-    }
-
-    /// Whether component `i` sees something in a used row.
-    fn sees(&self, i: usize, row: usize) -> bool {
-        let norm = self.norms.get(row * self.largest.len() + i);
-        norm.is_none_or(|norm| *norm > Self::BLIND * self.largest[i])
     }
 }
 
@@ -142,46 +116,39 @@ impl Watch {
         let flags = spans.iter().zip(first).flat_map(|(span, first)| (0..span.len()).map(move |k| k >= first));
         Self { after: flags.map(|after| f64::from(u8::from(after))).collect() }
     }
+}
 
-    /// What is summed up in each row: the states after the update, and the eighth powers of losses before and from the
-    /// first gap on, which stand for their maximum.
-    pub(super) fn sums(
-        &self,
-        (g, after): (&mut Graph, Id),
-        recursion: &Recursion,
-        (prior, posterior): (&Covariance, &Covariance),
-        x: &[Id],
-    ) -> Vec<(Role, Id)> {
-        let mut total = g.constant(0.0);
-        if let (Covariance::Full(prior), Covariance::Full(posterior)) = (prior, posterior) {
-            let unit = g.constant(1.0 / UNIT);
-            for i in 0..x.len() {
-                let (before, left) = (prior.at(i, i), posterior.at(i, i));
-                if before == left {
-                    continue;
-                }
-                let ratio = g.div(before, left);
-                let mut power = g.mul(ratio, unit);
-                for _ in 0..3 {
-                    power = g.mul(power, power);
-                }
-                // A state known exactly loses nothing; what a sensor sees by itself is multiplied.
-                let zero = g.constant(0.0);
-                power = g.select(before, power, zero);
-                for present in recursion.alone(g, i) {
-                    power = g.select(present, zero, power);
-                }
-                total = g.add(total, power);
+impl step::Watch for Watch {
+    /// The states after the update, and the eighth powers of losses before and from the first gap on, which stand for their
+    /// maximum.
+    fn sums(&self, t: &mut Tracer<'_>, prior: &[Id], evidence: &Evidence, _: &[Id]) -> Vec<(Role, Id)> {
+        let x = &evidence.state;
+        let after = t.columns.node(&mut t.g, Key::AfterGap, || self.after.clone());
+        let g = &mut t.g;
+        let prior = Covariance::from_entries(g, Form::Full, x.len(), &prior[x.len()..]).matrix(g);
+        let posterior = evidence.covariance.matrix(g);
+        let (zero, unit) = (g.constant(0.0), g.constant(1.0 / UNIT));
+        let mut total = zero;
+        for (i, alone) in evidence.alone.iter().enumerate() {
+            let (before, left) = (prior.at(i, i), posterior.at(i, i));
+            if before == left {
+                continue;
             }
+            let ratio = g.div(before, left);
+            let mut power = g.mul(ratio, unit);
+            for _ in 0..3 {
+                power = g.mul(power, power);
+            }
+            // A state known exactly loses nothing; what a sensor sees by itself is multiplied.
+            power = g.select(before, power, zero);
+            for present in alone {
+                power = g.select(*present, zero, power);
+            }
+            total = g.add(total, power);
         }
         let late = g.mul(after, total);
         let early = g.sub(total, late);
         x.iter().copied().chain([early, late]).map(|id| (Role::Sum, id)).collect()
-    }
-
-    /// The weights as they are.
-    pub(super) fn after(&self) -> Vec<f64> {
-        self.after.clone()
     }
 }
 
@@ -209,35 +176,29 @@ pub(crate) fn scattered(parameters: &Parameters, count: usize) -> Vec<Vec<f64>> 
     (1..=count).map(candidate).collect()
 }
 
-/// The ends that a candidate's parameter may have.
-pub(super) fn range(search: &Search) -> [f64; 2] {
-    let finite = |bound: f64, init: f64| if bound.is_finite() { bound } else { init };
-    [finite(search.min, search.init[0]), finite(search.max, search.init[1])]
-}
-
 /// Runs up to [`LANES`] candidates through the log and shows what each row adds to the sums.
 fn run_lanes(program: &Program, candidates: &[Vec<f64>], mut visit: impl FnMut(usize, &[Register<f64, LANES, 1>])) {
     let splat = Register::<f64, LANES, 1>::splat;
-    let states = program.carried.iter().filter(|c| c.role == Role::State).count();
+    let states = program.varies().len();
     let sums = states..states + program.totals();
-    let first = program.parameters;
-    for span in &program.spans {
-        let mut prologue = vec![splat(0.0); program.prologue.registers.max(first)];
+    for (t, span) in program.spans().iter().enumerate() {
+        let mut prologue = vec![splat(0.0); program.prologue().registers.max(program.parameters())];
         for (lane, candidate) in (0..LANES).map(|lane| (lane, &candidates[lane.min(candidates.len() - 1)])) {
             candidate.iter().zip(&mut prologue).for_each(|(v, r)| r.lanes_mut()[lane] = *v);
         }
-        run_apart(&program.prologue.operations, &mut prologue, &span.scalars);
-        let mut registers = vec![splat(0.0); program.step.registers];
-        registers[..states].copy_from_slice(&prologue[first..first + states]);
-        registers[sums.end..program.carried.len()].fill(splat(1.0));
-        let invariants = &prologue[first + states..first + states + program.invariants];
-        registers[program.carried.len()..][..program.invariants].copy_from_slice(invariants);
-        let mut scalars = vec![0.0; program.columns];
-        scalars.extend_from_slice(&program.constants);
+        run_apart(&program.prologue().operations, &mut prologue, &span.scalars);
+        let mut registers = vec![splat(0.0); program.registers()];
+        for (register, initial) in registers.iter_mut().zip(program.initial()) {
+            *register = match initial {
+                Initial::Result(result) => prologue[result],
+                Initial::Number(value) => splat(value),
+            };
+        }
+        let mut cursor = program.cursor(t);
         for row in span.rows.clone() {
-            let record = &program.record[row * program.columns..(row + 1) * program.columns];
-            scalars[..program.columns].copy_from_slice(record);
-            run_apart(&program.step.operations, &mut registers, &scalars);
+            let (step, columns) = cursor.step(row);
+            let scalars = [columns, step.constants()].concat();
+            run_apart(&step.tape().operations, &mut registers, &scalars);
             visit(row, &registers[sums.clone()]);
             registers[sums.clone()].fill(splat(0.0));
         }

@@ -8,13 +8,13 @@
 //! cancel to the last bit under a diffuse prior: it needs correctly rounded divisions, which GPUs do not promise (by
 //! reciprocals, at P0/R = 1e12, it loses 4e-3 of the summed ln S of a constant-acceleration filter; rotations 5e-6).
 
-use super::covariance::{Gain, Scalar};
-use super::symmetric::Symmetric;
+use super::scalar::{Gain, Scalar};
+use crate::filter::symmetric::Symmetric;
 use crate::tape::{Graph, Id, Unary};
 
 /// P = U D U': U unit upper triangular, D diagonal.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Factored {
+pub(in crate::filter) struct Factored {
     /// Rows of U.
     u: Vec<Vec<Id>>,
     d: Vec<Id>,
@@ -35,7 +35,7 @@ impl Factored {
 
     /// The factors of a positive semidefinite matrix: where a pivot is 0 but for rounding, it and its column of U are 0.
     /// A negative one stays: the matrix is no covariance, and its innovation variances are to show it.
-    pub(super) fn of(g: &mut Graph, a: &Symmetric) -> Self {
+    pub(in crate::filter) fn of(g: &mut Graph, a: &Symmetric) -> Self {
         let mut factors = Self::zero(g, a.n());
         for j in (0..a.n()).rev() {
             let pivot = factors.remainder(g, a, j, j);
@@ -78,7 +78,7 @@ impl Factored {
     }
 
     /// From D on the diagonal and U above it.
-    pub(super) fn from_entries(g: &mut Graph, upper: &Symmetric) -> Self {
+    pub(in crate::filter) fn from_entries(g: &mut Graph, upper: &Symmetric) -> Self {
         let mut factors = Self::zero(g, upper.n());
         for (i, j) in Symmetric::places(upper.n()) {
             let place = if i == j { &mut factors.d[i] } else { &mut factors.u[i][j] };
@@ -88,9 +88,14 @@ impl Factored {
     }
 
     /// D on the diagonal and U above it, in the storage order of [`Symmetric`].
-    pub(super) fn entries(&self) -> Vec<Id> {
+    pub(in crate::filter) fn entries(&self) -> Vec<Id> {
         let entry = |(i, j): (usize, usize)| if i == j { self.d[i] } else { self.u[i][j] };
         Symmetric::places(self.d.len()).map(entry).collect()
+    }
+
+    /// Number of states.
+    pub(super) const fn n(&self) -> usize {
+        self.d.len()
     }
 
     /// f = U' H'.
@@ -99,7 +104,7 @@ impl Factored {
     }
 
     /// R + sum_j d_j f_j^2, in the order of the update, which shares these nodes.
-    pub(super) fn variance(&self, g: &mut Graph, h: &[Id], r: Id) -> Id {
+    pub(in crate::filter) fn variance(&self, g: &mut Graph, h: &[Id], r: Id) -> Id {
         let f = self.seen(g, h);
         f.iter().zip(&self.d).fold(r, |alpha, (f, d)| {
             let v = g.mul(*d, *f);
@@ -110,7 +115,7 @@ impl Factored {
 
     /// Bierman's update: alpha_j = alpha_(j-1) + d_j f_j^2 from alpha = D of the measurement up to S, and
     /// d_j' = d_j alpha_(j-1) / alpha_j.
-    pub(super) fn update(&mut self, g: &mut Graph, scalar: &Scalar<'_>) -> Gain {
+    pub(in crate::filter) fn update(&mut self, g: &mut Graph, scalar: &Scalar<'_>) -> Gain {
         let (zero, one) = (g.constant(0.0), g.constant(1.0));
         let f = self.seen(g, scalar.H);
         let v: Vec<Id> = f.iter().zip(&self.d).map(|(f, d)| g.mul(*d, *f)).collect();
@@ -155,7 +160,7 @@ impl Factored {
     }
 
     /// F P F' + Q.
-    pub(super) fn propagate(&self, g: &mut Graph, f: &[Vec<Id>], noise: &Self) -> Self {
+    pub(in crate::filter) fn propagate(&self, g: &mut Graph, f: &[Vec<Id>], noise: &Self) -> Self {
         let n = self.d.len();
         let mut next = Self::zero(g, n);
         for k in 0..n {
@@ -169,7 +174,7 @@ impl Factored {
     }
 
     /// U D U'.
-    pub(super) fn product(&self, g: &mut Graph) -> Symmetric {
+    pub(in crate::filter) fn product(&self, g: &mut Graph) -> Symmetric {
         Symmetric::from_fn(self.d.len(), |i, j| {
             let scaled: Vec<Id> = (j..self.d.len()).map(|k| g.mul(self.u[j][k], self.d[k])).collect();
             g.dot((j..self.d.len()).map(|k| self.u[i][k]).zip(scaled))
@@ -177,7 +182,7 @@ impl Factored {
     }
 
     /// kept U D U' + weight x x', both factors >= 0.
-    pub(super) fn fade(&mut self, g: &mut Graph, kept: Id, x: Vec<Id>, weight: Id) {
+    pub(in crate::filter) fn fade(&mut self, g: &mut Graph, kept: Id, x: Vec<Id>, weight: Id) {
         for d in &mut self.d {
             *d = g.mul(kept, *d);
         }
@@ -209,7 +214,7 @@ impl Factored {
     }
 
     /// e' P^-1 e = sum_j y_j^2 / d_j with U y = e.
-    pub(super) fn normalised_square(&self, g: &mut Graph, e: &[Id]) -> (Id, Vec<Id>) {
+    pub(in crate::filter) fn normalised_square(&self, g: &mut Graph, e: &[Id]) -> (Id, Vec<Id>) {
         let mut y = e.to_vec();
         let mut sum = g.constant(0.0);
         for j in (0..y.len()).rev() {

@@ -2,37 +2,21 @@
 #![expect(non_snake_case, reason = "Kalman notation: F, H, Q, R, P, S, K")]
 
 use super::factored::Factored;
-use super::form::Form;
-use super::symmetric::Symmetric;
+use super::scalar::{Gain, Scalar};
+use crate::filter::form::Form;
+use crate::filter::symmetric::Symmetric;
 use crate::tape::{Graph, Id};
 
 /// P, or its factors. Either has n (n + 1) / 2 entries, in the storage order of [`Symmetric`].
 #[derive(Debug, Clone)]
-pub(super) enum Covariance {
+pub(in crate::filter) enum Covariance {
     Full(Symmetric),
     Factored(Factored),
 }
 
-/// One decorrelated scalar measurement: z = H x + v with var v = D, taken where the gate is 1 and skipped where it is 0.
-pub(super) struct Scalar<'a> {
-    pub(super) H: &'a [Id],
-    pub(super) D: Id,
-    pub(super) gate: Id,
-}
-
-/// What a scalar measurement does to the mean.
-pub(super) struct Gain {
-    /// Gain, n; 0 where gated off.
-    pub(super) K: Vec<Id>,
-    /// Innovation variance H P H' + D; 1 where gated off.
-    pub(super) S: Id,
-    /// 1 / S; 0 where gated off.
-    pub(super) inverse: Id,
-}
-
 impl Covariance {
     /// P in the given form.
-    pub(super) fn new(g: &mut Graph, form: Form, P: Symmetric) -> Self {
+    pub(in crate::filter) fn new(g: &mut Graph, form: Form, P: Symmetric) -> Self {
         match form {
             Form::Full => Self::Full(P),
             Form::Factored => Self::Factored(Factored::of(g, &P)),
@@ -40,7 +24,7 @@ impl Covariance {
     }
 
     /// From [`Self::entries`].
-    pub(super) fn from_entries(g: &mut Graph, form: Form, n: usize, entries: &[Id]) -> Self {
+    pub(in crate::filter) fn from_entries(g: &mut Graph, form: Form, n: usize, entries: &[Id]) -> Self {
         let zero = g.constant(0.0);
         let mut entries = entries.iter().copied();
         let upper = Symmetric::from_fn(n, |_, _| entries.next().unwrap_or(zero));
@@ -51,7 +35,7 @@ impl Covariance {
     }
 
     /// What is carried.
-    pub(super) fn entries(&self) -> Vec<Id> {
+    pub(in crate::filter) fn entries(&self) -> Vec<Id> {
         match self {
             Self::Full(P) => P.upper().to_vec(),
             Self::Factored(factors) => factors.entries(),
@@ -59,7 +43,7 @@ impl Covariance {
     }
 
     /// Names of the entries: `P.d.v`, or `U.d.v` above the diagonal and `D.d` on it.
-    pub(super) fn names(form: Form, states: &[String]) -> Vec<String> {
+    pub(in crate::filter) fn names(form: Form, states: &[String]) -> Vec<String> {
         let name = |(i, j): (usize, usize)| match form {
             Form::Full => format!("P.{}.{}", states[i], states[j]),
             Form::Factored if i == j => format!("D.{}", states[i]),
@@ -69,7 +53,7 @@ impl Covariance {
     }
 
     /// The time update F P F' + Q, in the form of P.
-    pub(super) fn propagate(&self, g: &mut Graph, F: &[Vec<Id>], Q: &Self) -> Self {
+    pub(in crate::filter) fn propagate(&self, g: &mut Graph, F: &[Vec<Id>], Q: &Self) -> Self {
         match self {
             Self::Full(P) => {
                 let Q = Q.matrix(g);
@@ -82,7 +66,16 @@ impl Covariance {
         }
     }
 
-    fn matrix(&self, g: &mut Graph) -> Symmetric {
+    /// Number of states.
+    pub(in crate::filter) fn n(&self) -> usize {
+        match self {
+            Self::Full(P) => P.n(),
+            Self::Factored(factors) => factors.n(),
+        }
+    }
+
+    /// P, whatever the form.
+    pub(in crate::filter) fn matrix(&self, g: &mut Graph) -> Symmetric {
         match self {
             Self::Full(P) => P.clone(),
             Self::Factored(factors) => factors.product(g),
@@ -97,7 +90,7 @@ impl Covariance {
     }
 
     /// (1 - d) of itself and d of v v', 0 <= d <= 1. Factors stay factors: nothing is taken away.
-    pub(super) fn fade(&mut self, g: &mut Graph, d: Id, v: &[Id]) {
+    pub(in crate::filter) fn fade(&mut self, g: &mut Graph, d: Id, v: &[Id]) {
         let one = g.constant(1.0);
         let kept = g.sub(one, d);
         match self {
@@ -110,7 +103,7 @@ impl Covariance {
     }
 
     /// H P H' + R for one row of H.
-    pub(super) fn variance(&self, g: &mut Graph, H: &[Id], R: Id) -> Id {
+    pub(in crate::filter) fn variance(&self, g: &mut Graph, H: &[Id], R: Id) -> Id {
         match self {
             Self::Full(P) => P.variance(g, H, R),
             Self::Factored(factors) => factors.variance(g, H, R),
@@ -118,7 +111,7 @@ impl Covariance {
     }
 
     /// The update by one scalar measurement.
-    pub(super) fn update(&mut self, g: &mut Graph, scalar: &Scalar<'_>) -> Gain {
+    pub(in crate::filter) fn update(&mut self, g: &mut Graph, scalar: &Scalar<'_>) -> Gain {
         match self {
             Self::Full(P) => P.update(g, scalar),
             Self::Factored(factors) => factors.update(g, scalar),
@@ -126,26 +119,11 @@ impl Covariance {
     }
 
     /// e' P^-1 e, and the pivots it divides by: all positive where P is positive definite.
-    pub(super) fn normalised_square(&self, g: &mut Graph, e: &[Id]) -> (Id, Vec<Id>) {
+    pub(in crate::filter) fn normalised_square(&self, g: &mut Graph, e: &[Id]) -> (Id, Vec<Id>) {
         match self {
             Self::Full(P) => P.normalised_square(g, e),
             Self::Factored(factors) => factors.normalised_square(g, e),
         }
-    }
-}
-
-impl Scalar<'_> {
-    /// A missing component neither divides by its S nor has to have a positive one.
-    pub(super) fn gated(&self, g: &mut Graph, S: Id) -> Id {
-        let one = g.constant(1.0);
-        g.select(self.gate, S, one)
-    }
-
-    /// The only state with a non-zero entry of H.
-    pub(super) fn only_state(&self, g: &Graph) -> Option<usize> {
-        let mut seen = (0..self.H.len()).filter(|i| !g.is(self.H[*i], 0.0));
-        let first = seen.next()?;
-        seen.next().is_none().then_some(first)
     }
 }
 

@@ -1,0 +1,52 @@
+//! The families of filters, as far as tracing knows them: one file each in `gaussian/`, one line each here.
+
+use super::error::TraceError;
+use super::evidence::Evidence;
+use super::form::Carrying;
+use super::gaussian::{Affine, Fuzzy, Gaussian, NoAdaptation, SageHusa, SageHusaR};
+use super::row::Row;
+use super::tracer::Tracer;
+use crate::model::{FilterKind, Model};
+use crate::tape::Id;
+
+/// A filter, on the graph: what it starts from, and what a row makes of what it carries.
+///
+/// The first n entries of what is carried are the mean of the state.
+pub(super) trait Family {
+    /// Names of the entries, in order.
+    fn names(&self, model: &Model) -> Vec<String>;
+
+    /// Number of entries at the end of which nothing is to be found out: they are neither constant nor equal to others.
+    fn opaque(&self, model: &Model) -> usize {
+        let _ = model;
+        0
+    }
+
+    /// The entries before the first row of a trajectory.
+    ///
+    /// # Errors
+    /// If the model does not fit the filter.
+    fn start(&self, t: &mut Tracer<'_>) -> Result<Vec<Id>, TraceError>;
+
+    /// The measurement update: from prior to posterior.
+    ///
+    /// # Errors
+    /// If the model does not fit the filter.
+    fn update(&self, t: &mut Tracer<'_>, row: &Row, prior: &[Id]) -> Result<(Evidence, Vec<Id>), TraceError>;
+
+    /// The time update: from posterior to the prior of the next row.
+    ///
+    /// # Errors
+    /// If the model does not fit the filter.
+    fn predict(&self, t: &mut Tracer<'_>, row: &Row, posterior: &[Id]) -> Result<Vec<Id>, TraceError>;
+}
+
+/// The filter that a problem asks for.
+pub(super) fn of(kind: &FilterKind, carrying: Carrying) -> Box<dyn Family> {
+    match kind {
+        FilterKind::Kalman(_) => Box::new(Gaussian::new(carrying, Affine, NoAdaptation)),
+        FilterKind::SageHusa(_) => Box::new(Gaussian::new(carrying, Affine, SageHusa)),
+        FilterKind::SageHusaR(_) => Box::new(Gaussian::new(carrying, Affine, SageHusaR)),
+        FilterKind::Fuzzy(fuzzy) => Box::new(Gaussian::new(carrying, Affine, Fuzzy { window: fuzzy.window })),
+    }
+}

@@ -1,0 +1,94 @@
+//! The model as nodes: every formula of it traced once, for any candidate or for one.
+#![expect(non_snake_case, reason = "Kalman notation: F, H, Q, R, P0")]
+
+use super::carried::narrow;
+use super::error::TraceError;
+use super::formula::{self, Scope};
+use super::symmetric::Symmetric;
+use super::tracer::Tracer;
+use crate::model::{Expr, Start};
+use crate::tape::{Id, Leaf};
+
+/// An affine map: its Jacobian (derived, never typed), and its value at x = 0.
+pub(super) struct Affine {
+    /// Rows of it.
+    pub(super) jacobian: Vec<Vec<Id>>,
+    pub(super) offset: Vec<Id>,
+}
+
+/// The model in the problem's own units. Searched parameters are leaves, or the values of one candidate.
+pub(super) struct ModelNodes {
+    /// Time update: F, and f(0).
+    pub(super) f: Affine,
+    /// Measurement: H, and h(0).
+    pub(super) h: Affine,
+    /// Covariance of the process noise of one step, n x n.
+    pub(super) Q: Symmetric,
+    /// Covariance of the measurement noise, m x m.
+    pub(super) R: Symmetric,
+    /// Covariance at the start, n x n.
+    pub(super) P0: Symmetric,
+    /// Mean at the start; none where it comes from a measurement.
+    pub(super) x0: Option<Vec<Id>>,
+    /// Settings of the filter, in their order.
+    pub(super) settings: Vec<Id>,
+}
+
+impl ModelNodes {
+    /// For every row of the log.
+    ///
+    /// # Errors
+    /// If f or h is not affine in the states.
+    pub(super) fn new(t: &mut Tracer<'_>, candidate: Option<&[f64]>) -> Result<Self, TraceError> {
+        let (_, dt) = t.inputs();
+        Self::at(t, candidate, dt)
+    }
+
+    /// For an interval of `dt`.
+    ///
+    /// # Errors
+    /// If f or h is not affine in the states.
+    pub(super) fn at(t: &mut Tracer<'_>, candidate: Option<&[f64]>, dt: Id) -> Result<Self, TraceError> {
+        let (inputs, _) = t.inputs();
+        let parameters = formula::parameters(&mut t.g, &t.problem.parameters, candidate);
+        let scope = Scope { states: &[], parameters: &parameters, inputs: &inputs, dt };
+        let model = &t.problem.model;
+        let f = affine(t, &model.f, scope, ("f", &model.states))?;
+        let h = affine(t, &model.h, scope, ("h", &model.measurements))?;
+        let mut value = |formula: &Expr| formula::trace(&mut t.g, formula, scope);
+        let mut covariance = |entries: &[Expr]| {
+            let n = entries.len().isqrt();
+            Symmetric::from_fn(n, |i, j| value(&entries[i * n + j]))
+        };
+        let (Q, R, P0) = (covariance(&model.q), covariance(&model.r), covariance(&model.p0));
+        let x0 = match &model.x0 {
+            Start::Values(values) => Some(values.iter().map(&mut value).collect()),
+            Start::Measurement => None,
+        };
+        let settings = t.problem.filter.settings().iter().map(|setting| value(setting.formula)).collect();
+        Ok(Self { f, h, Q, R, P0, x0, settings })
+    }
+}
+
+/// Formulas as an affine map of the states; `what` names them.
+fn affine(
+    t: &mut Tracer<'_>,
+    formulas: &[Expr],
+    scope: Scope<'_>,
+    what: (&'static str, &[String]),
+) -> Result<Affine, TraceError> {
+    let n = t.problem.model.states.len();
+    let variables: Vec<Id> = (0..n).map(|j| t.g.leaf(Leaf::Variable(narrow(j)))).collect();
+    let zeros = vec![t.g.constant(0.0); n];
+    let mut affine = Affine { jacobian: vec![], offset: vec![] };
+    for (formula, name) in formulas.iter().zip(what.1) {
+        let value = formula::trace(&mut t.g, formula, Scope { states: &variables, ..scope });
+        let row: Vec<Id> = (0..n).map(|j| t.g.differentiate(value, Leaf::Variable(narrow(j)))).collect();
+        if row.iter().any(|derivative| t.g.depends(*derivative).has_variable()) {
+            return Err(TraceError::NotLinear { formula: what.0, name: name.clone() });
+        }
+        affine.jacobian.push(row);
+        affine.offset.push(formula::trace(&mut t.g, formula, Scope { states: &zeros, ..scope }));
+    }
+    Ok(affine)
+}

@@ -1,0 +1,67 @@
+//! One step of a filter, traced for the rows of one kind.
+
+use super::carried::Role;
+use super::error::TraceError;
+use super::evidence::Evidence;
+use super::family::Family;
+use super::form::Carrying;
+use super::nominal::Nominal;
+use super::row::Row;
+use super::score::{Scoring, Traced};
+use super::tracer::Tracer;
+use super::units::Units;
+use crate::objective::Objective;
+use crate::tape::Id;
+
+/// What is to be traced.
+pub(super) struct Request<'a> {
+    pub(super) objectives: &'a [Objective],
+    /// Around which the deviation form is traced; the absolute form without one.
+    pub(super) nominal: Option<&'a Nominal>,
+    pub(super) carrying: Carrying,
+    pub(super) units: &'a Units,
+    pub(super) watch: Option<&'a dyn Watch>,
+}
+
+/// Adds sums of its own behind those of the objectives.
+pub(super) trait Watch {
+    /// What is to be summed up in a row.
+    fn sums(&self, t: &mut Tracer<'_>, prior: &[Id], evidence: &Evidence, posterior: &[Id]) -> Vec<(Role, Id)>;
+}
+
+/// A traced step, not yet scheduled.
+pub(super) struct Traces {
+    /// What is carried, after the step.
+    pub(super) next: Vec<Id>,
+    /// What is summed up or multiplied, as often as it was asked for.
+    pub(super) sums: Vec<(Role, Id)>,
+    /// What a candidate fails without, besides products.
+    pub(super) positive: Vec<Id>,
+    /// For each objective its sums, by their place among those asked for.
+    pub(super) traced: Vec<Traced>,
+}
+
+impl Traces {
+    /// Traces update, objectives and prediction from the entries of a prior.
+    ///
+    /// # Errors
+    /// If the model does not fit the filter.
+    pub(super) fn new(
+        t: &mut Tracer<'_>,
+        family: &dyn Family,
+        prior: &[Id],
+        request: &Request<'_>,
+    ) -> Result<Self, TraceError> {
+        let row = Row::new(t)?;
+        let (evidence, posterior) = family.update(t, &row, prior)?;
+        let mut scoring = Scoring::new(t, &evidence);
+        let traced =
+            request.objectives.iter().enumerate().map(|(i, objective)| objective.trace(scoring.asked_by(i))).collect();
+        let (mut sums, positive) = scoring.finish();
+        if let Some(watch) = request.watch {
+            sums.extend(watch.sums(t, prior, &evidence, &posterior));
+        }
+        let next = family.predict(t, &row, &posterior)?;
+        Ok(Self { next, sums, positive, traced })
+    }
+}

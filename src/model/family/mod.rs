@@ -1,0 +1,152 @@
+//! Families of filters, as the problem file knows them: one file each, and one line each in the list below.
+//!
+//! What a family does on the graph stands in the file of its name under `filter/`, in textbook form under `reference/`.
+//! Whoever else wants to know something about a filter asks its [`Facts`].
+
+mod fuzzy;
+mod kalman;
+mod sage_husa;
+mod sage_husa_r;
+mod setting;
+
+pub use fuzzy::Fuzzy;
+pub use kalman::Kalman;
+pub use sage_husa::SageHusa;
+pub use sage_husa_r::SageHusaR;
+pub use setting::{Range, Setting};
+
+use super::Expr;
+use super::error::Fault;
+
+/// What a filter changes on the way, so that the model's is only where it starts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Adapts {
+    /// Neither Q nor R.
+    Nothing,
+    /// One Q for every step.
+    ProcessNoise,
+    /// R, component by component, which must be diagonal.
+    MeasurementNoise,
+}
+
+/// What others have to know about a filter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Facts<'a> {
+    /// What it adapts.
+    pub adapts: Adapts,
+    /// The share of the model's R down to which it may adapt it, where there is one.
+    pub noise_floor: Option<Setting<'a>>,
+}
+
+/// The keys of `[filter]`, as a family asks for its own.
+pub(super) trait Settings {
+    /// A formula of parameters.
+    fn formula(&self, key: &'static str, default: f64) -> Result<Expr, Fault>;
+    /// A whole number from 1 to `largest`.
+    fn count(&self, key: &'static str, default: usize, largest: u32) -> Result<usize, Fault>;
+}
+
+/// What the file of a family says.
+pub(super) trait Described: Sized {
+    /// What `[filter] kind` calls it.
+    const NAME: &'static str;
+    /// Its own keys in `[filter]`.
+    const KEYS: &'static [&'static str];
+
+    /// Reads its settings.
+    fn read(settings: &dyn Settings) -> Result<Self, Fault>;
+
+    /// Its settings that are formulas, in the order in which they are evaluated.
+    fn settings(&self) -> Vec<Setting<'_>>;
+
+    /// Its settings that are numbers and shape the filter.
+    fn sizes(&self) -> Vec<usize> {
+        vec![]
+    }
+
+    /// What others have to know.
+    fn facts(&self) -> Facts<'_>;
+}
+
+macro_rules! families {
+    ($($(#[$doc:meta])* $family:ident,)*) => {
+        /// Filter kinds. All of them are linear Kalman filters (affine f and h); the adaptive ones change Q or R on the way,
+        /// from what the innovations of the log say, and start every trajectory anew from the model's.
+        ///
+        /// Settings are formulas of parameters, so they can be searched as anything else.
+        #[derive(Debug, Clone, PartialEq)]
+        pub enum FilterKind {
+            $($(#[$doc])* $family($family),)*
+        }
+
+        impl FilterKind {
+            /// The names that `[filter] kind` takes; the first is what a problem without one has.
+            pub const NAMES: &'static [&'static str] = &[$($family::NAME),*];
+
+            /// Its name in problem files and reports.
+            #[must_use]
+            pub const fn name(&self) -> &'static str {
+                match self {
+                    $(Self::$family(_) => $family::NAME,)*
+                }
+            }
+
+            /// Its settings that are formulas.
+            #[must_use]
+            pub fn settings(&self) -> Vec<Setting<'_>> {
+                match self {
+                    $(Self::$family(family) => family.settings(),)*
+                }
+            }
+
+            /// Its settings that are numbers and shape the filter.
+            #[must_use]
+            pub fn sizes(&self) -> Vec<usize> {
+                match self {
+                    $(Self::$family(family) => family.sizes(),)*
+                }
+            }
+
+            /// What others have to know about it.
+            #[must_use]
+            pub fn facts(&self) -> Facts<'_> {
+                match self {
+                    $(Self::$family(family) => family.facts(),)*
+                }
+            }
+
+            /// The keys in `[filter]` of the kind with a name.
+            pub(super) fn keys(name: &str) -> &'static [&'static str] {
+                match name {
+                    $($family::NAME => $family::KEYS,)*
+                    _ => &[],
+                }
+            }
+
+            /// The kind with a name; the linear Kalman filter for one that does not exist.
+            pub(super) fn read(name: &str, settings: &dyn Settings) -> Result<Self, Fault> {
+                Ok(match name {
+                    $($family::NAME => Self::$family($family::read(settings)?),)*
+                    _ => Self::default(),
+                })
+            }
+        }
+    };
+}
+
+families! {
+    /// The linear Kalman filter.
+    Kalman,
+    /// Sage-Husa, process noise.
+    SageHusa,
+    /// Sage-Husa, measurement noise.
+    SageHusaR,
+    /// Fuzzy adaptation of R.
+    Fuzzy,
+}
+
+impl Default for FilterKind {
+    fn default() -> Self {
+        Self::Kalman(Kalman)
+    }
+}

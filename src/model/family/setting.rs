@@ -1,0 +1,59 @@
+//! Settings of a filter that are formulas of parameters.
+
+use crate::model::{Expr, Symbol};
+use std::fmt;
+
+/// Values that a setting may take.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Range {
+    /// Above 0, up to 1.
+    Share,
+    /// From 0 to below 1.
+    BelowOne,
+    /// Above 0.
+    Positive,
+}
+
+/// A setting of a filter kind.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Setting<'a> {
+    /// Its key in `[filter]`.
+    pub key: &'static str,
+    /// Its formula, of parameters.
+    pub formula: &'a Expr,
+    /// What it may be; a candidate for which it is something else fails.
+    pub range: Range,
+}
+
+impl Setting<'_> {
+    /// Its value for all parameters' values.
+    #[must_use]
+    pub fn value(&self, parameters: &[f64]) -> f64 {
+        self.formula.evaluate(&|symbol| match symbol {
+            Symbol::Parameter(i) => parameters.get(i).copied().unwrap_or(f64::NAN),
+            Symbol::State(_) | Symbol::Input(_) | Symbol::Dt => f64::NAN,
+        })
+    }
+}
+
+impl Range {
+    /// Whether `value` is allowed; NaN is not.
+    #[must_use]
+    pub fn contains(self, value: f64) -> bool {
+        match self {
+            Self::Share => value > 0.0 && value <= 1.0,
+            Self::BelowOne => (0.0..1.0).contains(&value),
+            Self::Positive => value > 0.0 && value.is_finite(),
+        }
+    }
+}
+
+impl fmt::Display for Range {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Share => "a number above 0, up to 1",
+            Self::BelowOne => "a number from 0 to below 1",
+            Self::Positive => "a number above 0",
+        })
+    }
+}

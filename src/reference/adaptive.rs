@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use nalgebra::DMatrix;
 
 use super::Cause;
-use super::kalman::{Update, count};
+use super::estimate::{Update, count};
 use crate::model::FilterKind;
 
 /// What an adaptive filter remembers of one trajectory.

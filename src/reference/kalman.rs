@@ -6,44 +6,10 @@ use nalgebra::{DMatrix, DVector};
 
 use super::Cause;
 use super::adaptive::Adaptation;
+use super::estimate::{Estimate, Noise, Update, same};
 use super::matrices::{Affine, Formulas};
 use super::observation::Observation;
 use super::square_root::{least_norm, root, square, triangularise};
-
-/// A state estimate.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Estimate {
-    /// Mean, n.
-    pub x: DVector<f64>,
-    /// Covariance, n x n.
-    pub p: DMatrix<f64>,
-}
-
-/// What a measurement did; p = number of present components.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Update {
-    /// Indices of the present components, ascending, p.
-    pub present: Vec<usize>,
-    /// Joint prior innovation in measurement units, p.
-    pub nu: DVector<f64>,
-    /// Its covariance, p x p.
-    pub s: DMatrix<f64>,
-    /// Gain, n x p.
-    pub k: DMatrix<f64>,
-    /// nu' S^-1 nu.
-    pub nis: f64,
-    /// (p ln 2 pi + ln det S + NIS) / 2 \[nats\].
-    pub nll: f64,
-}
-
-/// The noise that an adaptive filter has arrived at, for what follows a row.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Noise<'a> {
-    /// Q of the step to the next row; `None` where the filter takes the model's.
-    pub(super) q: Option<&'a DMatrix<f64>>,
-    /// R of the next row, m x m.
-    pub(super) r: &'a DMatrix<f64>,
-}
 
 /// The filter of one candidate: `predict` takes posterior to prior, `update` prior to posterior.
 #[derive(Debug)]
@@ -187,13 +153,6 @@ impl Kalman {
     }
 }
 
-impl Estimate {
-    pub(super) fn check(&self) -> Result<(), Cause> {
-        let finite = self.x.iter().chain(self.p.iter()).all(|v| v.is_finite());
-        if finite { Ok(()) } else { Err(Cause::NotFinite) }
-    }
-}
-
 impl Transition {
     pub(super) fn new(n: usize) -> Self {
         Self { dt: f64::NAN, inputs: Vec::new(), f: Affine::zeros(n, n), q: DMatrix::zeros(n, n) }
@@ -213,24 +172,4 @@ impl Transition {
         }
         !same_dt
     }
-}
-
-/// Lengths as numbers; exact below 2^53.
-#[expect(clippy::cast_precision_loss, reason = "no log has 2^53 rows")]
-pub(super) fn count(length: usize) -> f64 {
-    length as f64
-}
-
-pub(super) fn symmetrise(p: &mut DMatrix<f64>) {
-    for j in 1..p.ncols() {
-        for i in 0..j {
-            let mean = 0.5 * (p[(i, j)] + p[(j, i)]);
-            p[(i, j)] = mean;
-            p[(j, i)] = mean;
-        }
-    }
-}
-
-pub(super) fn same(a: &[f64], b: &[f64]) -> bool {
-    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
 }

@@ -5,6 +5,7 @@
 //! is carried by its square root, through Householder reflections, so that it is right where it certifies. `docs/semantics.md` is its specification.
 
 mod adaptive;
+mod estimate;
 mod evaluate;
 mod failure;
 mod kalman;
@@ -15,13 +16,15 @@ mod score;
 mod smoother;
 mod square_root;
 mod steady;
+mod step;
 
+pub use estimate::{Estimate, Update};
 pub use evaluate::{Scope, evaluate};
 pub use failure::{Cause, Failure};
-pub use kalman::{Estimate, Update};
 pub use matrices::Matrices;
 pub(crate) use matrices::{Affine, Formulas};
-pub use run::{Run, Step, costs, costs_held_out, run, scores, scores_held_out, visit};
+pub use run::{costs, costs_held_out, run, scores, scores_held_out, visit};
 pub use score::score;
 pub use smoother::{Smoothed, smooth};
 pub use steady::{Steady, steady_gain};
+pub use step::{Run, Step};

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::Cause;
 use super::adaptive::{Adaptation, Evidence};
-use super::kalman::{Update, count, same};
+use super::estimate::{Update, count, same};
 use super::matrices::{Affine, Formulas};
 use super::square_root::{root, solve_transposed, square, triangularise};
 

@@ -4,8 +4,8 @@ use std::collections::VecDeque;
 
 use nalgebra::DVector;
 
-use super::kalman::{Update, count};
-use super::run::{Run, Truth};
+use super::estimate::{Update, count};
+use super::step::{Run, Truth};
 use crate::data::{Log, Trajectory};
 use crate::model::Problem;
 use crate::objective::{Kind, Objective};

@@ -20,9 +20,11 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
-use super::kalman::{Estimate, Transition, Update, symmetrise};
+use super::estimate::{Estimate, Update, symmetrise};
+use super::kalman::Transition;
 use super::matrices::{Affine, Formulas};
-use super::run::{Moment, walk};
+use super::run::walk;
+use super::step::Moment;
 use super::{Cause, Failure};
 use crate::data::{Log, Trajectory};
 use crate::model::{Adapts, Problem};

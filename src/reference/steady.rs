@@ -2,7 +2,7 @@
 
 use nalgebra::{Cholesky, DMatrix};
 
-use super::kalman::symmetrise;
+use super::estimate::symmetrise;
 use super::matrices::Matrices;
 use crate::model::Problem;
 

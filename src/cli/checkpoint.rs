@@ -9,14 +9,12 @@ use super::evaluator::{self, Notices};
 use super::files;
 use super::load::{self, Loaded, Origin};
 use super::options::{Compute, DeviceChoice, PrecisionChoice};
-use super::{paths, results};
+use super::paths;
+use super::run_files::{self, CHECKPOINT};
 use crate::data::Log;
 use crate::evaluate::Device;
 use crate::model::Problem;
 use crate::study::{Checkpoint, CheckpointFile, Generation, Identity, Observer, Scored, Snapshot, Source};
-
-/// The checkpoint of a folder of results.
-pub(super) const NAME: &str = "checkpoint.kfgpu";
 
 /// A search to go on with.
 #[derive(Debug)]
@@ -32,8 +30,8 @@ impl Resumed {
     pub(super) fn open(path: &Path) -> anyhow::Result<Self> {
         let folder = path.is_dir().then(|| path.to_path_buf());
         let file = match &folder {
-            Some(folder) => folder.join(NAME),
-            None if results::is_of_run(path) => path.with_file_name(NAME),
+            Some(folder) => folder.join(CHECKPOINT),
+            None if run_files::is_of_run(path) => path.with_file_name(CHECKPOINT),
             None => path.to_path_buf(),
         };
         let checkpoint = Checkpoint::open(&file).with_context(|| cannot(&file))?;

@@ -8,7 +8,7 @@ use clap::Args;
 
 use super::Ending;
 use super::console::Console;
-use super::{files, results};
+use super::{files, run_files};
 use crate::report::{Comparison, Run};
 
 /// Put the results of runs side by side: parameters, objectives, consistency and cost of the search.
@@ -41,9 +41,9 @@ impl Compare {
 
 fn open(path: &Path) -> anyhow::Result<Run> {
     let shown = path.display();
-    let file = results::file_in(path, results::RESULT)?;
+    let file = run_files::file_in(path, run_files::RESULT)?;
     if !file.is_file() {
-        bail!("{shown}: no such run (name a folder that `tune --out` wrote, or its {})", results::RESULT);
+        bail!("{shown}: no such run (name a folder that `tune --out` wrote, or its {})", run_files::RESULT);
     }
     let bytes = fs::read(&file).with_context(|| format!("cannot read {}", file.display()))?;
     let text = String::from_utf8(bytes)

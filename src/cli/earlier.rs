@@ -10,7 +10,7 @@ use serde::Deserialize;
 use super::console::Console;
 use super::folder::OutFolder;
 use super::load::Origin;
-use super::{checkpoint, paths, pictures, results};
+use super::{paths, pictures, run_files};
 use crate::model::Problem;
 use crate::study::Checkpoint;
 
@@ -41,7 +41,7 @@ impl Earlier {
         // The problem itself may be the tuned.toml of the folder: it is the user's own, and only copied.
         let is_problem = |name: &str| paths::are_one(&folder.path().join(name), Path::new(&problem.source));
         let data = if let Origin::BuiltIn(name, _) = origin { Some(*name) } else { None };
-        let names = results::names().map(str::to_owned).chain(pictures::names()).chain(data.map(str::to_owned));
+        let names = run_files::names().map(str::to_owned).chain(pictures::names()).chain(data.map(str::to_owned));
         let files: Vec<String> = names.filter(|name| folder.holds(name)).collect();
         let Some(first) = files.iter().find(|name| !is_problem(name)) else { return Ok(Self::default()) };
         let (folder_name, advice) =
@@ -70,9 +70,9 @@ impl Earlier {
 impl Owner {
     /// By the result, or by the checkpoint of a run that has none yet.
     fn of(folder: &OutFolder) -> Option<Self> {
-        let result = fs::read(folder.path().join(results::RESULT)).ok();
+        let result = fs::read(folder.path().join(run_files::RESULT)).ok();
         result.and_then(|bytes| serde_json::from_slice(&bytes).ok()).or_else(|| {
-            let source = Checkpoint::open(&folder.path().join(checkpoint::NAME)).ok()?.source;
+            let source = Checkpoint::open(&folder.path().join(run_files::CHECKPOINT)).ok()?.source;
             Some(Self { problem: source.problem, log: Source { source: source.log.unwrap_or_default() } })
         })
     }

@@ -6,7 +6,7 @@ use anyhow::anyhow;
 
 use super::console::Console;
 use super::overrides::{self, Override};
-use super::{memory, results};
+use super::{memory, run_files};
 use crate::data::{Log, LogError, Oddity, Summary};
 use crate::model::Problem;
 
@@ -108,7 +108,7 @@ pub(super) fn log_of(
 /// problem's own.
 pub(super) fn candidate(problem: &Problem, parameters: Option<&Path>) -> anyhow::Result<Vec<f64>> {
     Ok(match parameters {
-        Some(path) => problem.candidate_from(&Problem::open(&results::file_in(path, results::TUNED)?)?)?,
+        Some(path) => problem.candidate_from(&Problem::open(&run_files::file_in(path, run_files::TUNED)?)?)?,
         None => problem.parameters.baseline(),
     })
 }

@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 
-use super::checkpoint;
 use super::files::folder_of;
+use super::run_files::CHECKPOINT;
 
 /// The file that is locked in a folder of results.
 pub(super) const NAME: &str = ".kfgpu.lock";
@@ -35,7 +35,7 @@ impl Lock {
     /// # Errors
     /// As [`Self::of_folder`].
     pub(super) fn of_file(file: &Path) -> anyhow::Result<Option<Self>> {
-        if file.file_name().is_some_and(|name| name == checkpoint::NAME) {
+        if file.file_name().is_some_and(|name| name == CHECKPOINT) {
             return Self::of_folder(folder_of(file));
         }
         let name = file.file_name().unwrap_or_default().to_string_lossy();

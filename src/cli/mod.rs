@@ -29,6 +29,7 @@ mod pictures;
 mod progress;
 mod reproduce;
 mod results;
+mod run_files;
 #[cfg(feature = "gpu")]
 mod shader;
 mod simulate;

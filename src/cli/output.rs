@@ -11,7 +11,7 @@ use super::files::{folder_of, is_stream};
 use super::folder::OutFolder;
 use super::load::Origin;
 use super::lock::Lock;
-use super::{paths, results};
+use super::{paths, run_files};
 use crate::data::Log;
 use crate::model::Problem;
 use crate::study::CheckpointFile;
@@ -44,7 +44,7 @@ impl Output {
         (problem, log, origin): (&Problem, &Log, &Origin),
     ) -> anyhow::Result<Self> {
         let folder = asked.out.or_else(|| resumed?.folder()).map(OutFolder::prepare).transpose()?;
-        let own = folder.as_ref().map(|folder| folder.path().join(checkpoint::NAME));
+        let own = folder.as_ref().map(|folder| folder.path().join(run_files::CHECKPOINT));
         let path = asked.checkpoint.map(Path::to_path_buf).or_else(|| own.clone());
         let path = path.or_else(|| Some(resumed?.file().to_path_buf()));
         let read = [Some(Path::new(&problem.source)), origin.file()];
@@ -53,7 +53,7 @@ impl Output {
             && !own.exists()
         {
             // Of an earlier run it would be kept.
-            paths::ensure_not_read(Some(&folder.path().join(results::TUNED)), &read)?;
+            paths::ensure_not_read(Some(&folder.path().join(run_files::TUNED)), &read)?;
         }
         let goes_on = |path: &Path| resumed.is_some_and(|resumed| paths::are_one(path, resumed.file()));
         let is_own = |path: &Path| own.as_deref().is_some_and(|own| path == own || paths::are_one(path, own));

@@ -4,7 +4,7 @@
 //! no identity. Every struct is taken apart by name and every enum matched, so that what is added to one has to be put
 //! on one side or the other.
 
-use super::identity::Sum;
+use super::sum::Sum;
 use crate::model::{
     Expr, ExprKind, FilterKind, First, Model, Parameter, Parameters, Problem, Scale, Search, Start, Symbol, TuneSpec,
     Value,

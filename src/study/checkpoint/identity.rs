@@ -1,9 +1,9 @@
 //! What a checkpoint is a checkpoint of.
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest as _, Sha256};
 
 use super::canon::Canon;
+use super::sum::Sum;
 use crate::data::{Log, Table, Trajectory};
 use crate::model::Problem;
 
@@ -24,9 +24,9 @@ impl Identity {
     /// Of a problem and the log it is searched on.
     #[must_use]
     pub fn of(problem: &Problem, log: &Log) -> Self {
-        let mut canon = Canon::new(Sum(Sha256::new()));
+        let mut canon = Canon::new(Sum::new());
         canon.problem(problem);
-        Self { problem: canon.finish().0.finalize().into(), log: of_log(log) }
+        Self { problem: canon.finish().digest(), log: of_log(log) }
     }
 
     /// SHA-256 of every number of a log that a filter sees, in hexadecimal digits.
@@ -50,14 +50,14 @@ impl Identity {
 }
 
 fn of_tables(log: &Log, names: &[String], table: impl Fn(&Trajectory) -> &Table) -> String {
-    let mut sum = Sum(Sha256::new());
+    let mut sum = Sum::new();
     sum.names(names);
     sum.number(log.trajectories.len() as u64);
     for trajectory in &log.trajectories {
         sum.number(trajectory.len() as u64);
         sum.table(table(trajectory), trajectory.len());
     }
-    hexadecimal(sum.0.finalize().into())
+    hexadecimal(sum.digest())
 }
 
 fn hexadecimal(bytes: [u8; 32]) -> String {
@@ -66,7 +66,7 @@ fn hexadecimal(bytes: [u8; 32]) -> String {
 
 fn of_log(log: &Log) -> [u8; 32] {
     let Log { source: _, measurements, inputs, truth, trajectories, times: _ } = log;
-    let mut sum = Sum(Sha256::new());
+    let mut sum = Sum::new();
     [measurements, inputs, truth].iter().for_each(|names| sum.names(names));
     sum.number(trajectories.len() as u64);
     for trajectory in trajectories {
@@ -76,34 +76,5 @@ fn of_log(log: &Log) -> [u8; 32] {
             sum.table(table, trajectory.len());
         }
     }
-    sum.0.finalize().into()
-}
-
-/// A hash that is written to; whatever has no fixed length is told with its length.
-pub(super) struct Sum(Sha256);
-
-impl Sum {
-    pub(super) fn number(&mut self, number: u64) {
-        self.0.update(number.to_le_bytes());
-    }
-
-    /// Missing values are all the same.
-    pub(super) fn value(&mut self, value: f64) {
-        self.number(if value.is_nan() { f64::NAN.to_bits() } else { value.to_bits() });
-    }
-
-    pub(super) fn text(&mut self, text: &str) {
-        self.number(text.len() as u64);
-        self.0.update(text);
-    }
-
-    fn names(&mut self, names: &[String]) {
-        self.number(names.len() as u64);
-        names.iter().for_each(|name| self.text(name));
-    }
-
-    fn table(&mut self, table: &Table, rows: usize) {
-        self.number(table.columns() as u64);
-        (0..rows).for_each(|k| table.row(k).iter().for_each(|value| self.value(*value)));
-    }
+    sum.digest()
 }

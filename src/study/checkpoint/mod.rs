@@ -12,6 +12,7 @@ mod differences;
 mod error;
 mod file;
 mod identity;
+mod sum;
 #[cfg(test)]
 mod tests;
 

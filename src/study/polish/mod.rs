@@ -12,9 +12,9 @@ mod winner;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 pub(super) use front::polish as polish_front;
-pub(super) use winner::{Polished, polish as polish_winner};
+pub(super) use winner::polish as polish_winner;
 
-use super::finish::Bounds;
+use super::finish::{Bounds, Verdict};
 use super::record::Record;
 use super::{Coordinates, Oracle};
 use crate::evaluate::Evaluator;
@@ -59,6 +59,12 @@ pub enum Ended {
     WallTime,
     /// Interrupted from outside.
     Interrupted,
+}
+
+/// What polish starts from and ends with.
+pub(super) struct Polished<'a> {
+    pub(super) candidate: &'a mut Vec<f64>,
+    pub(super) verdict: &'a mut Verdict,
 }
 
 /// Where polish runs, and what ends it early.

@@ -1,7 +1,6 @@
 //! Parameters that the rows do not determine stay at their start.
 
-use super::winner::Polished;
-use super::{Place, Polish};
+use super::{Place, Polish, Polished};
 use crate::evaluate::{Evaluation, Population, Precision};
 use crate::study::StudyError;
 

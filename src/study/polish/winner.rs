@@ -1,7 +1,7 @@
 //! The winner of one objective.
 
 use super::lockstep::{Goal, Run};
-use super::{Ended, Place, Polish, undetermined};
+use super::{Ended, Place, Polish, Polished, undetermined};
 use crate::evaluate::{Population, Precision};
 use crate::optimize::Standing;
 use crate::study::finish::Verdict;
@@ -15,12 +15,6 @@ const SAME_ROUNDING: f64 = 1e-12;
 const CLOSE: f64 = 1e-4;
 /// Ends that the oracle is asked about.
 const ASKED: usize = 3;
-
-/// What polish starts from and ends with.
-pub(in crate::study) struct Polished<'a> {
-    pub(in crate::study) candidate: &'a mut Vec<f64>,
-    pub(in crate::study) verdict: &'a mut Verdict,
-}
 
 /// Where the local searches have come to.
 struct End {

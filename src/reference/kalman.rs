@@ -5,7 +5,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::Cause;
-use super::adaptive::Adaptation;
+use super::adapt::Adaptation;
 use super::estimate::{Estimate, Noise, Update, same};
 use super::matrices::{Affine, Formulas};
 use super::observation::Observation;
@@ -23,7 +23,7 @@ pub(super) struct Kalman {
     transition: Transition,
     q_root: DMatrix<f64>,
     observation: Observation,
-    adaptation: Adaptation,
+    adaptation: Option<Box<dyn Adaptation>>,
     /// 2 n x n.
     stacked: DMatrix<f64>,
 }
@@ -38,7 +38,7 @@ pub(super) struct Transition {
 }
 
 impl Kalman {
-    pub(super) fn new(formulas: Formulas, adaptation: Adaptation) -> Self {
+    pub(super) fn new(formulas: Formulas, adaptation: Option<Box<dyn Adaptation>>) -> Self {
         let (n, m) = (formulas.n, formulas.m);
         let estimate = Estimate { x: DVector::zeros(n), p: DMatrix::zeros(n, n) };
         Self {
@@ -60,7 +60,7 @@ impl Kalman {
         if self.transition.prepare(&mut self.formulas, dt, inputs) {
             self.q_root = self.formulas.process_root(&self.transition.q)?;
         }
-        if let Some(q) = self.adaptation.process_noise() {
+        if let Some(q) = self.adapted_q() {
             self.q_root = root(q).ok_or(Cause::NotFinite)?;
         }
         let (n, f) = (self.formulas.n, &self.transition.f);
@@ -102,11 +102,13 @@ impl Kalman {
         self.formulas.measurement_root(&self.observation.r_whole)?;
         self.observation.renew_noise()?;
         let mut q = DMatrix::zeros(self.formulas.n, self.formulas.n);
-        if let (Some(_), Some(dt)) = (self.adaptation.process_noise(), dt) {
+        if let (Some(_), Some(dt)) = (self.adapted_q(), dt) {
             self.formulas.process_noise(dt, &mut q);
             self.formulas.process_root(&q)?;
         }
-        self.adaptation.start(q, &self.observation.r_whole);
+        if let Some(adaptation) = &mut self.adaptation {
+            adaptation.start(q, &self.observation.r_whole);
+        }
         Ok(())
     }
 
@@ -115,8 +117,12 @@ impl Kalman {
         &self.observation.update
     }
 
-    pub(super) const fn noise(&self) -> Noise<'_> {
-        Noise { q: self.adaptation.process_noise(), r: &self.observation.r_whole }
+    fn adapted_q(&self) -> Option<&DMatrix<f64>> {
+        self.adaptation.as_ref().and_then(|adaptation| adaptation.process_noise())
+    }
+
+    pub(super) fn noise(&self) -> Noise<'_> {
+        Noise { q: self.adapted_q(), r: &self.observation.r_whole }
     }
 
     /// Prior to posterior by the components of `z` that are not NaN; false when there are none, and the
@@ -133,7 +139,9 @@ impl Kalman {
         self.observation.leave(&mut self.posterior_root);
         square(&self.posterior_root, &mut self.posterior.p);
         self.posterior.check()?;
-        self.observation.adapt(&mut self.adaptation)?;
+        if let Some(adaptation) = &mut self.adaptation {
+            self.observation.adapt(adaptation.as_mut())?;
+        }
         Ok(true)
     }
 

@@ -4,7 +4,7 @@
 //! formulas are evaluated as they stand, F and H come from unit vectors, the update is joint, and P
 //! is carried by its square root, through Householder reflections, so that it is right where it certifies. `docs/semantics.md` is its specification.
 
-mod adaptive;
+mod adapt;
 mod estimate;
 mod evaluate;
 mod failure;

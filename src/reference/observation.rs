@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::Cause;
-use super::adaptive::{Adaptation, Evidence};
+use super::adapt::{Adaptation, Evidence};
 use super::estimate::{Update, count, same};
 use super::matrices::{Affine, Formulas};
 use super::square_root::{root, solve_transposed, square, triangularise};
@@ -87,10 +87,7 @@ impl Observation {
     }
 
     /// Shows the latest update to an adaptive filter, which may change R.
-    pub(super) fn adapt(&mut self, adaptation: &mut Adaptation) -> Result<(), Cause> {
-        if matches!(adaptation, Adaptation::None) {
-            return Ok(());
-        }
+    pub(super) fn adapt(&mut self, adaptation: &mut dyn Adaptation) -> Result<(), Cause> {
         let predicted: Vec<f64> = self.seen.column_iter().map(|column| column.norm_squared()).collect();
         let evidence = Evidence { update: &self.update, predicted: &predicted };
         if adaptation.adapt(&evidence, &mut self.r_whole) { self.renew_noise() } else { Ok(()) }

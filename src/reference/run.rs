@@ -1,6 +1,6 @@
 //! One candidate through a whole log: where each trajectory starts, and what happens at its rows.
 
-use super::adaptive::Adaptation;
+use super::adapt;
 use super::kalman::Kalman;
 use super::matrices::Formulas;
 use super::score::Scorer;
@@ -127,7 +127,7 @@ pub(super) fn walk(
 ) -> Result<(), Failure> {
     let model = &problem.model;
     let parameters = problem.parameters.resolve(candidate);
-    let adaptation = Adaptation::new(&problem.filter, &parameters, model.measurements.len())
+    let adaptation = adapt::of(&problem.filter, &parameters, model.measurements.len())
         .map_err(|cause| Failure::at(log, 0, 0, cause))?;
     let formulas = Formulas::new(model, parameters);
     if log.measurements.len() != formulas.m || log.inputs.len() != model.inputs.len() {

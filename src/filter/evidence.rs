@@ -1,6 +1,6 @@
 //! What objectives may see of a row, whatever the filter.
 
-use super::gaussian::Covariance;
+use super::covariance::Covariance;
 use crate::tape::Id;
 
 /// What a filter says of a row: nodes, in the filter's units, of the prior against what was measured, and of the posterior.

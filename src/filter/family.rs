@@ -1,12 +1,10 @@
-//! The families of filters, as far as tracing knows them: one file each in `gaussian/`, one line each here.
+//! What a family of filters is to tracing.
 
 use super::error::TraceError;
 use super::evidence::Evidence;
-use super::form::Carrying;
-use super::gaussian::{Affine, Fuzzy, Gaussian, NoAdaptation, SageHusa, SageHusaR};
 use super::row::Row;
 use super::tracer::Tracer;
-use crate::model::{FilterKind, Model};
+use crate::model::Model;
 use crate::tape::Id;
 
 /// A filter, on the graph: what it starts from, and what a row makes of what it carries.
@@ -39,14 +37,4 @@ pub(super) trait Family {
     /// # Errors
     /// If the model does not fit the filter.
     fn predict(&self, t: &mut Tracer<'_>, row: &Row, posterior: &[Id]) -> Result<Vec<Id>, TraceError>;
-}
-
-/// The filter that a problem asks for.
-pub(super) fn of(kind: &FilterKind, carrying: Carrying) -> Box<dyn Family> {
-    match kind {
-        FilterKind::Kalman(_) => Box::new(Gaussian::new(carrying, Affine, NoAdaptation)),
-        FilterKind::SageHusa(_) => Box::new(Gaussian::new(carrying, Affine, SageHusa)),
-        FilterKind::SageHusaR(_) => Box::new(Gaussian::new(carrying, Affine, SageHusaR)),
-        FilterKind::Fuzzy(fuzzy) => Box::new(Gaussian::new(carrying, Affine, Fuzzy { window: fuzzy.window })),
-    }
 }

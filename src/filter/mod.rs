@@ -4,8 +4,10 @@ mod assemble;
 mod carried;
 mod carry;
 mod columns;
+mod covariance;
 mod error;
 mod evidence;
+mod families;
 mod family;
 mod form;
 mod formula;
@@ -23,7 +25,6 @@ mod score;
 mod start;
 mod step;
 mod survey;
-mod symmetric;
 #[cfg(test)]
 mod tests;
 mod trace;

@@ -2,9 +2,9 @@
 #![expect(non_snake_case, reason = "Kalman notation: F, H, Q, R, P0")]
 
 use super::carried::narrow;
+use super::covariance::Symmetric;
 use super::error::TraceError;
 use super::formula::{self, Scope};
-use super::symmetric::Symmetric;
 use super::tracer::Tracer;
 use crate::model::{Expr, Start};
 use crate::tape::{Id, Leaf};

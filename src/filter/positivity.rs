@@ -7,10 +7,10 @@
 mod proof;
 
 use super::carried::narrow;
+use super::covariance::Symmetric;
 use super::error::TraceError;
 use super::formula::{self, Scope};
 use super::rows::Rows;
-use super::symmetric::Symmetric;
 use crate::model::{First, Problem, ROUNDING, is_product, must_be_definite};
 use crate::tape::lanes::{Register, run_apart};
 use crate::tape::{Calculator, Graph, Id, Leaf, Output, Tape};

@@ -4,7 +4,8 @@ use super::assemble::assemble;
 use super::carry::Partition;
 use super::columns::Columns;
 use super::error::TraceError;
-use super::family::{self, Family};
+use super::families;
+use super::family::Family;
 use super::positivity::Positivity;
 use super::program::Program;
 use super::rows::Rows;
@@ -23,7 +24,7 @@ pub(super) fn trace_rows(
     columns: &mut Columns,
     request: &Request<'_>,
 ) -> Result<Program, TraceError> {
-    let family = family::of(&problem.filter, request.carrying);
+    let family = families::of(&problem.filter, request.carrying);
     let (mut partition, mut parted) = (None, false);
     loop {
         let mut t = Tracer::new(problem, rows, columns, request.units, request.nominal);

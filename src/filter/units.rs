@@ -4,7 +4,7 @@
 //! that of f64. A power of two changes no digit, so a filter in other units has the same bits, and totals are given back in
 //! the user's units exactly. Ordinary problems stay in their own.
 
-use super::symmetric::Symmetric;
+use super::covariance::Symmetric;
 use crate::tape::{Graph, Id};
 
 /// State j is computed in units of 2^`states[j]`, measurement i in units of 2^`measurements[i]`, of the problem's own.

@@ -2,24 +2,20 @@
 #![expect(non_snake_case, reason = "Kalman notation: F, H, P, Q, R")]
 
 mod adapt;
-mod covariance;
-mod factored;
 mod moments;
-mod scalar;
 mod update;
 
 pub(super) use adapt::{Fuzzy, NoAdaptation, SageHusa, SageHusaR};
-pub(super) use covariance::Covariance;
 pub(super) use moments::Affine;
 
 use super::carried::narrow;
+use super::covariance::{Covariance, Symmetric};
 use super::error::TraceError;
 use super::evidence::{Evidence, Factor};
 use super::family::Family;
 use super::form::Carrying;
 use super::nodes::ModelNodes;
 use super::row::Row;
-use super::symmetric::Symmetric;
 use super::tracer::Tracer;
 use super::units::{self, scaled};
 use crate::model::{First, Model};

@@ -2,9 +2,9 @@
 //! one decorrelated scalar at a time (Bierman 1977, ch. V), so that nothing is ever inverted.
 #![expect(non_snake_case, reason = "Kalman notation: F, H, Q, R, P, S, K")]
 
-use super::Covariance;
-use super::scalar::{Gain, Scalar};
-use crate::filter::symmetric::Symmetric;
+use crate::filter::covariance::Covariance;
+use crate::filter::covariance::Symmetric;
+use crate::filter::covariance::{Gain, Scalar};
 use crate::tape::{Graph, Id};
 
 /// The measurement of one row, as nodes: z = H x + v.

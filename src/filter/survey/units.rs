@@ -2,8 +2,8 @@
 #![expect(non_snake_case, reason = "Kalman notation: F, H, Q, R, P, S")]
 
 use super::Survey;
+use crate::filter::covariance::Symmetric;
 use crate::filter::nodes::ModelNodes;
-use crate::filter::symmetric::Symmetric;
 use crate::filter::tracer::Tracer;
 use crate::filter::units::Units;
 use crate::precision::Precision;

@@ -12,12 +12,12 @@ pub(in crate::filter) use fuzzy::Fuzzy;
 pub(in crate::filter) use sage_husa::SageHusa;
 pub(in crate::filter) use sage_husa_r::SageHusaR;
 
-use super::Covariance;
 use super::update::{Measurement, Update};
+use crate::filter::covariance::Covariance;
+use crate::filter::covariance::Symmetric;
 use crate::filter::form::Form;
 use crate::filter::nodes::ModelNodes;
 use crate::filter::row::Row;
-use crate::filter::symmetric::Symmetric;
 use crate::filter::tracer::Tracer;
 use crate::filter::units;
 use crate::model::{Model, Range};

@@ -7,8 +7,8 @@
 
 use super::{Adaptation, Noise, Seen, fade};
 use crate::filter::columns::Key;
+use crate::filter::covariance::Covariance;
 use crate::filter::form::Form;
-use crate::filter::gaussian::Covariance;
 use crate::filter::row::Row;
 use crate::filter::tracer::Tracer;
 use crate::model::Model;

@@ -2,8 +2,8 @@
 
 use super::{Map, MomentRule, Moments};
 use crate::filter::columns::Key;
+use crate::filter::covariance::Covariance;
 use crate::filter::error::TraceError;
-use crate::filter::gaussian::Covariance;
 use crate::filter::nodes::{self, ModelNodes};
 use crate::filter::row::Row;
 use crate::filter::tracer::Tracer;

@@ -5,10 +5,10 @@ mod affine;
 
 pub(in crate::filter) use affine::Affine;
 
-use super::Covariance;
+use crate::filter::covariance::Covariance;
+use crate::filter::covariance::Symmetric;
 use crate::filter::error::TraceError;
 use crate::filter::row::Row;
-use crate::filter::symmetric::Symmetric;
 use crate::filter::tracer::Tracer;
 use crate::tape::Id;
 

@@ -9,7 +9,7 @@
 //! reciprocals, at P0/R = 1e12, it loses 4e-3 of the summed ln S of a constant-acceleration filter; rotations 5e-6).
 
 use super::scalar::{Gain, Scalar};
-use crate::filter::symmetric::Symmetric;
+use super::symmetric::Symmetric;
 use crate::tape::{Graph, Id, Unary};
 
 /// P = U D U': U unit upper triangular, D diagonal.

@@ -4,55 +4,55 @@ use crate::tape::{Graph, Id, Unary};
 
 /// A symmetric n x n matrix of nodes, upper triangle by rows.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Symmetric {
+pub(in crate::filter) struct Symmetric {
     n: usize,
     upper: Vec<Id>,
 }
 
 impl Symmetric {
     /// From a function of (i, j) with i <= j.
-    pub(super) fn from_fn(n: usize, mut entry: impl FnMut(usize, usize) -> Id) -> Self {
+    pub(in crate::filter) fn from_fn(n: usize, mut entry: impl FnMut(usize, usize) -> Id) -> Self {
         let upper = Self::places(n).map(|(i, j)| entry(i, j)).collect();
         Self { n, upper }
     }
 
     /// (i, j) of the upper triangle, in storage order.
-    pub(super) fn places(n: usize) -> impl Iterator<Item = (usize, usize)> {
+    pub(in crate::filter) fn places(n: usize) -> impl Iterator<Item = (usize, usize)> {
         (0..n).flat_map(move |i| (i..n).map(move |j| (i, j)))
     }
 
     /// Entry (i, j) = (j, i).
-    pub(super) fn at(&self, i: usize, j: usize) -> Id {
+    pub(in crate::filter) fn at(&self, i: usize, j: usize) -> Id {
         let (i, j) = if i <= j { (i, j) } else { (j, i) };
         self.upper[i * self.n - i * (i + 1) / 2 + j]
     }
 
     /// The upper triangle, in storage order.
-    pub(super) fn upper(&self) -> &[Id] {
+    pub(in crate::filter) fn upper(&self) -> &[Id] {
         &self.upper
     }
 
     /// The diagonal, n.
-    pub(super) fn diagonal(&self) -> Vec<Id> {
+    pub(in crate::filter) fn diagonal(&self) -> Vec<Id> {
         (0..self.n).map(|i| self.at(i, i)).collect()
     }
 
-    pub(super) const fn n(&self) -> usize {
+    pub(in crate::filter) const fn n(&self) -> usize {
         self.n
     }
 
     /// The sum with another of its size.
-    pub(super) fn plus(&self, g: &mut Graph, other: &Self) -> Self {
+    pub(in crate::filter) fn plus(&self, g: &mut Graph, other: &Self) -> Self {
         Self::from_fn(self.n, |i, j| g.add(self.at(i, j), other.at(i, j)))
     }
 
     /// Factors A = L D L', L unit lower triangular: (rows of L, D). Structural zeros stay zeros. A must be definite.
-    pub(super) fn ldl(&self, g: &mut Graph) -> (Vec<Vec<Id>>, Vec<Id>) {
+    pub(in crate::filter) fn ldl(&self, g: &mut Graph) -> (Vec<Vec<Id>>, Vec<Id>) {
         self.ldl_over(g, |_, pivot| pivot)
     }
 
     /// The same for a semidefinite A: below a pivot of 0 everything is 0, and so is its column of L.
-    pub(super) fn ldl_semidefinite(&self, g: &mut Graph) -> (Vec<Vec<Id>>, Vec<Id>) {
+    pub(in crate::filter) fn ldl_semidefinite(&self, g: &mut Graph) -> (Vec<Vec<Id>>, Vec<Id>) {
         /// Far below any covariance, and normal in f32; what is not 0 over it makes a later pivot hugely negative.
         const TINY: f64 = 1e-30;
         self.ldl_over(g, |g, pivot| {

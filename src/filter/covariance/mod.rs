@@ -1,11 +1,16 @@
 //! The covariance that a filter carries, in either of its forms, behind one set of operations.
 #![expect(non_snake_case, reason = "Kalman notation: F, H, Q, R, P, S, K")]
 
-use super::factored::Factored;
-use super::scalar::{Gain, Scalar};
-use crate::filter::form::Form;
-use crate::filter::symmetric::Symmetric;
+mod factored;
+mod scalar;
+mod symmetric;
+
+pub(in crate::filter) use scalar::{Gain, Scalar};
+pub(in crate::filter) use symmetric::Symmetric;
+
+use super::form::Form;
 use crate::tape::{Graph, Id};
+use factored::Factored;
 
 /// P, or its factors. Either has n (n + 1) / 2 entries, in the storage order of [`Symmetric`].
 #[derive(Debug, Clone)]

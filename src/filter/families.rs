@@ -1,0 +1,16 @@
+//! The families of filters, one line each; what they do stands in `gaussian/`.
+
+use super::family::Family;
+use super::form::Carrying;
+use super::gaussian::{Affine, Fuzzy, Gaussian, NoAdaptation, SageHusa, SageHusaR};
+use crate::model::FilterKind;
+
+/// The filter that a problem asks for.
+pub(super) fn of(kind: &FilterKind, carrying: Carrying) -> Box<dyn Family> {
+    match kind {
+        FilterKind::Kalman(_) => Box::new(Gaussian::new(carrying, Affine, NoAdaptation)),
+        FilterKind::SageHusa(_) => Box::new(Gaussian::new(carrying, Affine, SageHusa)),
+        FilterKind::SageHusaR(_) => Box::new(Gaussian::new(carrying, Affine, SageHusaR)),
+        FilterKind::Fuzzy(fuzzy) => Box::new(Gaussian::new(carrying, Affine, Fuzzy { window: fuzzy.window })),
+    }
+}

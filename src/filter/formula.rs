@@ -1,7 +1,7 @@
 //! Formula trees onto the graph.
 
-use crate::model::{Binary as Op, Expr, ExprKind, Function, Parameters, Symbol, Value};
-use crate::tape::{Binary, Graph, Id, Leaf, Unary};
+use crate::model::{Binary, Expr, ExprKind, Parameters, Symbol, Value};
+use crate::tape::{Graph, Id, Leaf};
 
 /// What the symbols of a formula stand for.
 #[derive(Debug, Clone, Copy)]
@@ -53,32 +53,16 @@ pub(super) fn trace(g: &mut Graph, expr: &Expr, scope: Scope<'_>) -> Id {
         ExprKind::Binary(op, a, b) => {
             let (a, b) = (trace(g, a, scope), trace(g, b, scope));
             match op {
-                Op::Add => g.add(a, b),
-                Op::Subtract => g.sub(a, b),
-                Op::Multiply => g.mul(a, b),
-                Op::Divide => g.div(a, b),
-                Op::Power => g.pow(a, b),
+                Binary::Add => g.add(a, b),
+                Binary::Subtract => g.sub(a, b),
+                Binary::Multiply => g.mul(a, b),
+                Binary::Divide => g.div(a, b),
+                Binary::Power => g.pow(a, b),
             }
         }
-        ExprKind::Call(function, arguments) => call(g, *function, arguments, scope),
+        ExprKind::Call(function, arguments) => {
+            let arguments: Vec<Id> = arguments.iter().map(|a| trace(g, a, scope)).collect();
+            g.call(*function, &arguments)
+        }
     }
-}
-
-fn call(g: &mut Graph, function: Function, arguments: &[Expr], scope: Scope<'_>) -> Id {
-    let ids: Vec<Id> = arguments.iter().map(|a| trace(g, a, scope)).collect();
-    let unary = |op| (op, ids[0]);
-    let (op, a) = match function {
-        Function::Sqrt => unary(Unary::Sqrt),
-        Function::Exp => unary(Unary::Exp),
-        Function::Ln => unary(Unary::Ln),
-        Function::Sin => unary(Unary::Sin),
-        Function::Cos => unary(Unary::Cos),
-        Function::Tan => unary(Unary::Tan),
-        Function::Atan => unary(Unary::Atan),
-        Function::Abs => unary(Unary::Abs),
-        Function::Atan2 => return g.binary(Binary::Atan2, ids[0], ids[1]),
-        Function::Min => return g.binary(Binary::Min, ids[0], ids[1]),
-        Function::Max => return g.binary(Binary::Max, ids[0], ids[1]),
-    };
-    g.unary(op, a)
 }

@@ -1,5 +1,7 @@
 //! The formula tree. It is what the problem file means: the tape traces it, the reference evaluates it.
 
+use crate::tape::Function;
+
 /// A formula: a tree of operations on states, parameters, inputs and dt.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Expr {
@@ -71,84 +73,6 @@ impl Binary {
     }
 }
 
-impl Binary {
-    fn apply(self, a: f64, b: f64) -> f64 {
-        match self {
-            Self::Add => a + b,
-            Self::Subtract => a - b,
-            Self::Multiply => a * b,
-            Self::Divide => a / b,
-            Self::Power => a.powf(b),
-        }
-    }
-}
-
-/// Functions a formula may call.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[expect(missing_docs, reason = "the names are the functions")]
-pub enum Function {
-    Sqrt,
-    Exp,
-    Ln,
-    Sin,
-    Cos,
-    Tan,
-    Atan,
-    Atan2,
-    Abs,
-    Min,
-    Max,
-}
-
-impl Function {
-    /// Every function with the name it has in formulas.
-    pub const ALL: [(&'static str, Self); 11] = [
-        ("sqrt", Self::Sqrt),
-        ("exp", Self::Exp),
-        ("ln", Self::Ln),
-        ("sin", Self::Sin),
-        ("cos", Self::Cos),
-        ("tan", Self::Tan),
-        ("atan", Self::Atan),
-        ("atan2", Self::Atan2),
-        ("abs", Self::Abs),
-        ("min", Self::Min),
-        ("max", Self::Max),
-    ];
-
-    /// Its name in formulas.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        Self::ALL.iter().find(|(_, function)| *function == self).map_or("", |(name, _)| name)
-    }
-
-    /// Number of arguments.
-    #[must_use]
-    pub const fn arity(self) -> usize {
-        match self {
-            Self::Atan2 | Self::Min | Self::Max => 2,
-            _ => 1,
-        }
-    }
-
-    /// The value at `a`, and for functions of two arguments `b()`.
-    fn apply(self, a: f64, b: impl Fn() -> f64) -> f64 {
-        match self {
-            Self::Sqrt => a.sqrt(),
-            Self::Exp => a.exp(),
-            Self::Ln => a.ln(),
-            Self::Sin => a.sin(),
-            Self::Cos => a.cos(),
-            Self::Tan => a.tan(),
-            Self::Atan => a.atan(),
-            Self::Atan2 => a.atan2(b()),
-            Self::Abs => a.abs(),
-            Self::Min => a.min(b()),
-            Self::Max => a.max(b()),
-        }
-    }
-}
-
 impl Expr {
     /// A literal that kfgpu made itself.
     #[must_use]
@@ -202,21 +126,6 @@ impl Expr {
         let mut found = false;
         self.symbols(&mut |s| found |= wanted(s));
         found
-    }
-
-    /// The value in f64, with `value` giving every symbol's; NaN and infinities follow IEEE 754.
-    #[must_use]
-    pub fn evaluate(&self, value: &impl Fn(Symbol) -> f64) -> f64 {
-        match &self.kind {
-            ExprKind::Number(number) => *number,
-            ExprKind::Symbol(symbol) => value(*symbol),
-            ExprKind::Negate(a) => -a.evaluate(value),
-            ExprKind::Binary(op, a, b) => op.apply(a.evaluate(value), b.evaluate(value)),
-            ExprKind::Call(function, arguments) => {
-                let argument = |i: usize| arguments.get(i).map_or(f64::NAN, |a| a.evaluate(value));
-                function.apply(argument(0), || argument(1))
-            }
-        }
     }
 
     /// Whether both are the same formula, wherever they stand.

@@ -1,6 +1,6 @@
-//! Formulas in f64, straight from the tree: postfix order and a stack, so that depth costs memory and not the call stack.
+//! What the symbols of a formula stand for where the reference evaluates it.
 
-use crate::model::{Binary, Expr, ExprKind, Function, Symbol};
+use crate::model::{Expr, Formula, Symbol};
 
 /// What the symbols of a formula stand for. A symbol outside its slice evaluates to NaN.
 #[derive(Debug, Clone, Copy, Default)]
@@ -26,116 +26,23 @@ pub struct Scope<'a> {
 /// ```
 #[must_use]
 pub fn evaluate(expr: &Expr, scope: &Scope) -> f64 {
-    Formula::of(expr).value(scope, &mut Vec::new())
+    expr.evaluate(&|symbol| scope.of(symbol))
 }
 
-/// A formula in postfix order, for repeated evaluation.
-#[derive(Debug, Clone)]
-pub(super) struct Formula {
-    operations: Vec<Operation>,
-}
-
-#[derive(Debug, Clone, Copy)]
-enum Operation {
-    Number(f64),
-    Symbol(Symbol),
-    Negate,
-    Binary(Binary),
-    Call(Function),
-}
-
-impl Formula {
-    /// Children pushed in order and popped last first give the mirrored postfix order, reversed at the end.
-    pub(super) fn of(expr: &Expr) -> Self {
-        let mut pending = vec![expr];
-        let mut operations = Vec::new();
-        while let Some(node) = pending.pop() {
-            operations.push(match &node.kind {
-                ExprKind::Number(value) => Operation::Number(*value),
-                ExprKind::Symbol(symbol) => Operation::Symbol(*symbol),
-                ExprKind::Negate(a) => {
-                    pending.push(a);
-                    Operation::Negate
-                }
-                ExprKind::Binary(op, a, b) => {
-                    pending.extend([a.as_ref(), b.as_ref()]);
-                    Operation::Binary(*op)
-                }
-                ExprKind::Call(function, arguments) => {
-                    pending.extend(arguments);
-                    Operation::Call(*function)
-                }
-            });
-        }
-        operations.reverse();
-        Self { operations }
+impl Scope<'_> {
+    /// The value of a formula; `stack` is scratch.
+    pub(super) fn value(&self, formula: &Formula, stack: &mut Vec<f64>) -> f64 {
+        formula.value(|symbol| self.of(symbol), stack)
     }
 
-    pub(super) fn mentions_input(&self) -> bool {
-        self.operations.iter().any(|op| matches!(op, Operation::Symbol(Symbol::Input(_))))
-    }
-
-    /// The value; `stack` is scratch, its content is lost.
-    pub(super) fn value(&self, scope: &Scope, stack: &mut Vec<f64>) -> f64 {
-        stack.clear();
-        for operation in &self.operations {
-            let value = match *operation {
-                Operation::Number(value) => value,
-                Operation::Symbol(symbol) => lookup(symbol, scope),
-                Operation::Negate => -pop(stack),
-                Operation::Binary(op) => {
-                    let b = pop(stack);
-                    binary(op, pop(stack), b)
-                }
-                Operation::Call(function) if function.arity() == 2 => {
-                    let b = pop(stack);
-                    call(function, pop(stack), b)
-                }
-                Operation::Call(function) => call(function, pop(stack), f64::NAN),
-            };
-            stack.push(value);
-        }
-        pop(stack)
-    }
-}
-
-fn pop(stack: &mut Vec<f64>) -> f64 {
-    stack.pop().unwrap_or(f64::NAN)
-}
-
-fn lookup(symbol: Symbol, scope: &Scope) -> f64 {
-    let found = match symbol {
-        Symbol::State(i) => scope.states.get(i),
-        Symbol::Parameter(i) => scope.parameters.get(i),
-        Symbol::Input(i) => scope.inputs.get(i),
-        Symbol::Dt => Some(&scope.dt),
-    };
-    found.copied().unwrap_or(f64::NAN)
-}
-
-fn binary(op: Binary, a: f64, b: f64) -> f64 {
-    match op {
-        Binary::Add => a + b,
-        Binary::Subtract => a - b,
-        Binary::Multiply => a * b,
-        Binary::Divide => a / b,
-        Binary::Power => a.powf(b),
-    }
-}
-
-fn call(function: Function, a: f64, b: f64) -> f64 {
-    match function {
-        Function::Sqrt => a.sqrt(),
-        Function::Exp => a.exp(),
-        Function::Ln => a.ln(),
-        Function::Sin => a.sin(),
-        Function::Cos => a.cos(),
-        Function::Tan => a.tan(),
-        Function::Atan => a.atan(),
-        Function::Atan2 => a.atan2(b),
-        Function::Abs => a.abs(),
-        Function::Min => a.min(b),
-        Function::Max => a.max(b),
+    fn of(&self, symbol: Symbol) -> f64 {
+        let found = match symbol {
+            Symbol::State(i) => self.states.get(i),
+            Symbol::Parameter(i) => self.parameters.get(i),
+            Symbol::Input(i) => self.inputs.get(i),
+            Symbol::Dt => Some(&self.dt),
+        };
+        found.copied().unwrap_or(f64::NAN)
     }
 }
 
@@ -143,6 +50,7 @@ fn call(function: Function, a: f64, b: f64) -> f64 {
 #[expect(clippy::float_cmp, reason = "these values are exact")]
 mod tests {
     use super::*;
+    use crate::model::{Binary, ExprKind, Function};
 
     fn call2(function: Function, a: Expr, b: Expr) -> Expr {
         Expr { kind: ExprKind::Call(function, vec![a, b]), span: Default::default() }

@@ -3,9 +3,9 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::Cause;
-use super::evaluate::{Formula, Scope};
+use super::evaluate::Scope;
 use super::square_root::root;
-use crate::model::{Expr, Model, Problem, Start, is_covariance, must_be_definite};
+use crate::model::{Expr, Formula, Model, Problem, Start, is_covariance, must_be_definite};
 
 /// The matrices of a linear model for one candidate and one interval, inputs at zero.
 #[derive(Debug, Clone, PartialEq)]
@@ -153,7 +153,7 @@ impl Formulas {
         let Some(x0) = &self.x0 else { return };
         let scope = Scope { parameters: &self.parameters, ..Scope::default() };
         for (entry, formula) in out.iter_mut().zip(x0) {
-            *entry = formula.value(&scope, &mut self.stack);
+            *entry = scope.value(formula, &mut self.stack);
         }
     }
 }
@@ -167,7 +167,7 @@ fn covariance_root(a: &DMatrix<f64>, definite: bool, matrix: &'static str) -> Re
 fn fill(formulas: &[Formula], scope: &Scope, stack: &mut Vec<f64>, out: &mut DMatrix<f64>) {
     let columns = out.ncols();
     for (i, formula) in formulas.iter().enumerate() {
-        out[(i / columns, i % columns)] = formula.value(scope, stack);
+        out[(i / columns, i % columns)] = scope.value(formula, stack);
     }
 }
 
@@ -176,12 +176,12 @@ fn fill(formulas: &[Formula], scope: &Scope, stack: &mut Vec<f64>, out: &mut DMa
 fn linearise(formulas: &[Formula], scope: Scope, states: &mut [f64], stack: &mut Vec<f64>, out: &mut Affine) {
     states.fill(0.0);
     for (i, formula) in formulas.iter().enumerate() {
-        let offset = formula.value(&Scope { states, ..scope }, stack);
+        let offset = Scope { states, ..scope }.value(formula, stack);
         out.offset[i] = offset;
         let step = if offset.abs() > 1.0 { offset.abs().log2().ceil().exp2() } else { 1.0 };
         for j in 0..states.len() {
             states[j] = step;
-            let value = formula.value(&Scope { states, ..scope }, stack);
+            let value = Scope { states, ..scope }.value(formula, stack);
             states[j] = 0.0;
             out.matrix[(i, j)] = (value - offset) / step;
         }

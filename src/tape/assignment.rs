@@ -149,7 +149,7 @@ impl<'a, U: Fn(Id) -> bool> Assignment<'a, U> {
 /// Scalars go last among the operands that commute, so that the machines need fewer cases.
 fn canonical(code: Code, mut arguments: Vec<Argument>) -> (Code, Vec<Argument>) {
     let commutes = match code {
-        Code::Binary(op) => op.is_commutative(),
+        Code::Binary(op) => op.row().commutes,
         Code::MultiplyAdd | Code::MultiplySubtract | Code::SubtractProduct => true,
         _ => false,
     };

@@ -1,6 +1,6 @@
 //! Exact derivatives on the graph.
 
-use super::graph::{Binary, Graph, Id, Leaf, Node, Unary};
+use super::graph::{Graph, Id, Leaf, Node};
 use std::collections::HashMap;
 
 impl Graph {
@@ -16,11 +16,12 @@ impl Graph {
                 Node::Leaf(leaf) => self.constant(f64::from(u8::from(leaf == with_respect_to))),
                 Node::Unary(op, a) => {
                     let da = d(a);
-                    self.chain(op, id, a, da)
+                    if self.is(da, 0.0) { da } else { (op.row().derivative)(self, id, a, da) }
                 }
                 Node::Binary(op, a, b) => {
                     let (da, db) = (d(a), d(b));
-                    self.binary_rule(op, id, [a, b], [da, db])
+                    let still = self.is(da, 0.0) && self.is(db, 0.0);
+                    if still { da } else { (op.row().derivative)(self, id, [a, b], [da, db]) }
                 }
                 Node::Select { condition, then, otherwise } => {
                     let (then, otherwise) = (d(then), d(otherwise));
@@ -31,103 +32,12 @@ impl Graph {
         }
         derivative.get(&y).copied().unwrap_or(zero)
     }
-
-    /// d op(a) = op'(a) da, where `y` = op(a).
-    fn chain(&mut self, op: Unary, y: Id, a: Id, da: Id) -> Id {
-        if self.is(da, 0.0) {
-            return da;
-        }
-        let one = self.constant(1.0);
-        match op {
-            Unary::Negate => self.neg(da),
-            Unary::Sqrt => {
-                let twice = self.add(y, y);
-                self.div(da, twice)
-            }
-            Unary::Exp => self.mul(y, da),
-            Unary::Ln => self.div(da, a),
-            Unary::Sin => {
-                let cos = self.unary(Unary::Cos, a);
-                self.mul(cos, da)
-            }
-            Unary::Cos => {
-                let sin = self.unary(Unary::Sin, a);
-                let product = self.mul(sin, da);
-                self.neg(product)
-            }
-            Unary::Tan => {
-                let square = self.mul(y, y);
-                let slope = self.add(one, square);
-                self.mul(slope, da)
-            }
-            Unary::Atan => {
-                let square = self.mul(a, a);
-                let denominator = self.add(one, square);
-                self.div(da, denominator)
-            }
-            Unary::Abs => {
-                let minus = self.neg(da);
-                self.select(a, da, minus)
-            }
-            Unary::Positive => {
-                let zero = self.constant(0.0);
-                self.select(a, da, zero)
-            }
-        }
-    }
-
-    /// d op(a, b), where `y` = op(a, b).
-    fn binary_rule(&mut self, op: Binary, y: Id, [a, b]: [Id; 2], [da, db]: [Id; 2]) -> Id {
-        if self.is(da, 0.0) && self.is(db, 0.0) {
-            return da;
-        }
-        match op {
-            Binary::Add => self.add(da, db),
-            Binary::Subtract => self.sub(da, db),
-            Binary::Multiply => self.dot([(a, db), (da, b)]),
-            Binary::Divide => {
-                let part = self.mul(y, db);
-                let numerator = self.sub(da, part);
-                self.div(numerator, b)
-            }
-            Binary::Min => {
-                let b_larger = self.sub(b, a);
-                self.select(b_larger, da, db)
-            }
-            Binary::Max => {
-                let a_larger = self.sub(a, b);
-                self.select(a_larger, da, db)
-            }
-            Binary::Atan2 => {
-                let (left, right) = (self.mul(b, da), self.mul(a, db));
-                let numerator = self.sub(left, right);
-                let square = self.dot([(a, a), (b, b)]);
-                self.div(numerator, square)
-            }
-            Binary::Power => self.power_rule(y, [a, b], [da, db]),
-        }
-    }
-
-    /// d a^b = b a^(b-1) da + a^b ln(a) db.
-    fn power_rule(&mut self, y: Id, [a, b]: [Id; 2], [da, db]: [Id; 2]) -> Id {
-        let one = self.constant(1.0);
-        let lower = self.sub(b, one);
-        let power = self.pow(a, lower);
-        let slope = self.mul(b, power);
-        let base = self.mul(slope, da);
-        if self.is(db, 0.0) {
-            return base;
-        }
-        let ln = self.unary(Unary::Ln, a);
-        let rate = self.mul(y, ln);
-        let exponent = self.mul(rate, db);
-        self.add(base, exponent)
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::calculator::Calculator;
+    use super::super::operations::{Binary, Unary};
     use super::*;
 
     /// Every rule against a central difference.

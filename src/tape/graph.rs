@@ -1,5 +1,6 @@
 //! The expression graph: hash-consed scalar nodes, simplified as they are built (see [`super::simplify`]).
 
+use super::operations::{Binary, Unary};
 use std::collections::HashMap;
 
 /// A node, by its place in the graph. Operands always come before the node that uses them.
@@ -47,83 +48,6 @@ pub enum Leaf {
     Start(u32),
     /// A variable that only exists while a Jacobian is taken.
     Variable(u32),
-}
-
-/// Operations of one operand.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[expect(missing_docs, reason = "the names are the operations")]
-pub enum Unary {
-    Negate,
-    Sqrt,
-    Exp,
-    Ln,
-    Sin,
-    Cos,
-    Tan,
-    Atan,
-    Abs,
-    /// a where a > 0, else (and for NaN) 0.
-    Positive,
-}
-
-/// Operations of two operands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[expect(missing_docs, reason = "the names are the operations")]
-pub enum Binary {
-    Add,
-    Subtract,
-    Multiply,
-    Divide,
-    Min,
-    Max,
-    Atan2,
-    Power,
-}
-
-impl Unary {
-    /// Its value in f64.
-    #[must_use]
-    pub fn apply(self, a: f64) -> f64 {
-        match self {
-            Self::Negate => -a,
-            Self::Sqrt => a.sqrt(),
-            Self::Exp => a.exp(),
-            Self::Ln => a.ln(),
-            Self::Sin => a.sin(),
-            Self::Cos => a.cos(),
-            Self::Tan => a.tan(),
-            Self::Atan => a.atan(),
-            Self::Abs => a.abs(),
-            Self::Positive => {
-                if a > 0.0 {
-                    a
-                } else {
-                    0.0
-                }
-            }
-        }
-    }
-}
-
-impl Binary {
-    /// Its value in f64.
-    #[must_use]
-    pub fn apply(self, a: f64, b: f64) -> f64 {
-        match self {
-            Self::Add => a + b,
-            Self::Subtract => a - b,
-            Self::Multiply => a * b,
-            Self::Divide => a / b,
-            Self::Min => a.min(b),
-            Self::Max => a.max(b),
-            Self::Atan2 => a.atan2(b),
-            Self::Power => a.powf(b),
-        }
-    }
-
-    pub(super) const fn is_commutative(self) -> bool {
-        matches!(self, Self::Add | Self::Multiply | Self::Min | Self::Max)
-    }
 }
 
 /// What the value of a node depends on, which decides when it is computed.

@@ -4,7 +4,7 @@
 //! loops compile to plain vector code for whatever the caller's `#[target_feature]` allows. No operation ever contracts
 //! `a * b + c`, so every instruction set and every block size gives the same bits.
 
-use super::graph::{Binary, Unary};
+use super::operations::{Binary, Unary};
 use super::schedule::{Argument, Code, Operation, Tape};
 use std::array::from_fn;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -29,25 +29,39 @@ pub trait Lane:
     /// 1e-38 to 1e38 (f64) cannot overflow or underflow it.
     const STEPS_PER_SPLIT: usize;
 
+    /// Its root.
+    fn sqrt(self) -> Self;
+    /// Its size.
+    fn abs(self) -> Self;
     /// Rounded once.
     fn from_f64(value: f64) -> Self;
     /// Exact.
     fn to_f64(self) -> f64;
-    /// A function of one operand, not [`Unary::Negate`].
-    fn unary(self, op: Unary) -> Self;
-    /// The operations that are rarely needed: min, max, atan2, power.
-    fn rare(self, op: Binary, other: Self) -> Self;
+    /// Replaces lanes by an operation of them.
+    fn unary(op: Unary, lanes: &mut [Self]);
+    /// Replaces lanes by an operation of them and of as many others.
+    fn binary(op: Binary, lanes: &mut [Self], others: &[Self]);
     /// A positive normal number as a mantissa in [1, 2) and a power of two. 0 keeps the mantissa 0 (a product that has met
     /// a factor that is not positive stays 0), and what is not finite becomes NaN.
     fn split(self) -> (Self, Self);
 }
 
 macro_rules! lane {
-    ($float:ty, $bits:ty, $mantissa_bits:literal, $bias:literal, $steps:literal) => {
+    ($float:ty, $column:ident, $bits:ty, $mantissa_bits:literal, $bias:literal, $steps:literal) => {
         impl Lane for $float {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
             const STEPS_PER_SPLIT: usize = $steps;
+
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                <$float>::sqrt(self)
+            }
+
+            #[inline(always)]
+            fn abs(self) -> Self {
+                <$float>::abs(self)
+            }
 
             #[inline(always)]
             fn from_f64(value: f64) -> Self {
@@ -59,40 +73,14 @@ macro_rules! lane {
                 self as f64
             }
 
-            #[inline(always)]
-            fn unary(self, op: Unary) -> Self {
-                match op {
-                    Unary::Negate => -self,
-                    Unary::Sqrt => self.sqrt(),
-                    Unary::Exp => self.exp(),
-                    Unary::Ln => self.ln(),
-                    Unary::Sin => self.sin(),
-                    Unary::Cos => self.cos(),
-                    Unary::Tan => self.tan(),
-                    Unary::Atan => self.atan(),
-                    Unary::Abs => self.abs(),
-                    Unary::Positive => {
-                        if self > 0.0 {
-                            self
-                        } else {
-                            0.0
-                        }
-                    }
-                }
+            #[inline]
+            fn unary(op: Unary, lanes: &mut [Self]) {
+                (op.row().$column)(lanes);
             }
 
-            #[inline(always)]
-            fn rare(self, op: Binary, other: Self) -> Self {
-                match op {
-                    Binary::Add => self + other,
-                    Binary::Subtract => self - other,
-                    Binary::Multiply => self * other,
-                    Binary::Divide => self / other,
-                    Binary::Min => self.min(other),
-                    Binary::Max => self.max(other),
-                    Binary::Atan2 => self.atan2(other),
-                    Binary::Power => self.powf(other),
-                }
+            #[inline]
+            fn binary(op: Binary, lanes: &mut [Self], others: &[Self]) {
+                (op.row().$column)(lanes, others);
             }
 
             #[inline(always)]
@@ -111,8 +99,8 @@ macro_rules! lane {
     };
 }
 
-lane!(f32, u32, 23, 127, 2);
-lane!(f64, u64, 52, 1023, 8);
+lane!(f32, single, u32, 23, 127, 2);
+lane!(f64, double, u64, 52, 1023, 8);
 
 /// A register: `B` chunks of `C` candidates. Aligned to a cache line, or every wide access would touch two.
 #[derive(Debug, Clone, Copy)]
@@ -200,8 +188,8 @@ fn execute<T: Lane, const C: usize, const B: usize>(op: &Operation, r: &mut [Reg
         (Code::Copy, [S(a), ..]) => chunks!(r[to], [], s[a], a),
         (Code::Unary(Unary::Negate), [R(a), ..]) => chunks!(r[to], [a], s[], -a),
         (Code::Unary(Unary::Positive), [R(a), ..]) => chunks!(r[to], [a], s[], positive(a)),
-        (Code::Unary(Unary::Abs), [R(a), ..]) => chunks!(r[to], [a], s[], a.unary(Unary::Abs)),
-        (Code::Unary(Unary::Sqrt), [R(a), ..]) => chunks!(r[to], [a], s[], a.unary(Unary::Sqrt)),
+        (Code::Unary(Unary::Abs), [R(a), ..]) => chunks!(r[to], [a], s[], a.abs()),
+        (Code::Unary(Unary::Sqrt), [R(a), ..]) => chunks!(r[to], [a], s[], a.sqrt()),
         (Code::Binary(Add), [R(a), R(b), ..]) => chunks!(r[to], [a, b], s[], a + b),
         (Code::Binary(Add), [R(a), S(b), ..]) => chunks!(r[to], [a], s[b], a + b),
         (Code::Binary(Subtract), [R(a), R(b), ..]) => chunks!(r[to], [a, b], s[], a - b),
@@ -242,18 +230,29 @@ fn positive<T: Lane>(a: T) -> T {
     if a > T::ZERO { a } else { T::ZERO }
 }
 
-/// Any operation with operands from anywhere, lane by lane: the way of the rare ones.
+/// Any operation with operands from anywhere: the way of functions and of rare places of operands.
 fn general<T: Lane, const C: usize, const B: usize>(op: &Operation, r: &mut [Register<T, C, B>], s: &[T]) {
-    for lane in 0..B * C {
-        let [a, b, c, d, e] = op.arguments.map(|argument| match argument {
-            Argument::Register(register) => r[register as usize].lanes()[lane],
-            Argument::NONE => T::ZERO,
-            Argument::Scalar(scalar) => s[scalar as usize],
-        });
-        r[op.register as usize].lanes_mut()[lane] = match op.code {
-            Code::Copy => a,
-            Code::Unary(unary) => a.unary(unary),
-            Code::Binary(binary) => a.rare(binary, b),
+    let [a, b, c, d, e] = op.arguments.map(|argument| match argument {
+        Argument::Register(register) => r[register as usize],
+        Argument::NONE => Register::splat(T::ZERO),
+        Argument::Scalar(scalar) => Register::splat(s[scalar as usize]),
+    });
+    let to = &mut r[op.register as usize];
+    *to = a;
+    match op.code {
+        Code::Copy => {}
+        Code::Unary(unary) => T::unary(unary, to.lanes_mut()),
+        Code::Binary(binary) => T::binary(binary, to.lanes_mut(), b.lanes()),
+        _ => fused(op.code, to.lanes_mut(), [&b, &c, &d, &e].map(Register::lanes)),
+    }
+}
+
+/// Fused operations lane by lane; `lanes` hold the first operand.
+fn fused<T: Lane>(code: Code, lanes: &mut [T], [b, c, d, e]: [&[T]; 4]) {
+    for (lane, to) in lanes.iter_mut().enumerate() {
+        let (a, b, c, d, e) = (*to, b[lane], c[lane], d[lane], e[lane]);
+        *to = match code {
+            Code::Copy | Code::Unary(_) | Code::Binary(_) => a,
             Code::Select if a > T::ZERO => b,
             Code::Select => c,
             Code::MultiplyAdd => a * b + c,

@@ -5,9 +5,12 @@
 
 mod assignment;
 mod calculator;
+mod difference;
 mod differentiate;
+mod functions;
 mod graph;
 pub mod lanes;
+mod operations;
 mod print;
 mod scale;
 mod schedule;
@@ -16,6 +19,9 @@ mod terms;
 pub mod wgsl;
 
 pub use calculator::Calculator;
-pub use graph::{Binary, Depends, Graph, Id, Leaf, Node, Unary};
+pub use difference::{Moved, Sum};
+pub use functions::Function;
+pub use graph::{Depends, Graph, Id, Leaf, Node};
+pub use operations::{Binary, Unary};
 pub use print::{Counts, Names};
 pub use schedule::{Argument, Code, Operation, Output, Tape, TooLarge};

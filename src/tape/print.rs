@@ -1,6 +1,6 @@
 //! Tapes as text, and what they cost.
 
-use super::graph::{Binary, Unary};
+use super::operations::{Binary, Unary};
 use super::schedule::{Argument, Code, Operation, Tape};
 use std::fmt::{self, Display, Formatter};
 
@@ -82,12 +82,9 @@ impl Names<'_> {
         let value = match operation.code {
             Code::Copy => a,
             Code::Unary(Unary::Negate) => format!("-{a}"),
-            Code::Unary(op) => format!("{}({a})", format!("{op:?}").to_lowercase()),
-            Code::Binary(Binary::Add) => format!("{a} + {b}"),
-            Code::Binary(Binary::Subtract) => format!("{a} - {b}"),
-            Code::Binary(Binary::Multiply) => format!("{a} * {b}"),
-            Code::Binary(Binary::Divide) => format!("{a} / {b}"),
-            Code::Binary(op) => format!("{}({a}, {b})", format!("{op:?}").to_lowercase()),
+            Code::Unary(op) => format!("{}({a})", op.row().name),
+            Code::Binary(op) if op.row().is_sign() => format!("{a} {} {b}", op.row().name),
+            Code::Binary(op) => format!("{}({a}, {b})", op.row().name),
             Code::Select => format!("{a} > 0 ? {b} : {c}"),
             Code::MultiplyAdd => format!("{a} * {b} + {c}"),
             Code::MultiplySubtract => format!("{a} * {b} - {c}"),

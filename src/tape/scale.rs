@@ -1,6 +1,7 @@
 //! Multiplication by powers of two, which rounds nothing.
 
-use super::graph::{Binary, Graph, Id, Node, Unary};
+use super::graph::{Graph, Id, Node};
+use super::operations::{Binary, Unary};
 
 impl Graph {
     /// 2^`exponent` a: the same digits, as long as neither leaves the range of normal numbers.
@@ -18,7 +19,7 @@ impl Graph {
         match self.node(a) {
             Node::Unary(op @ (Unary::Negate | Unary::Abs | Unary::Positive), x) => {
                 let x = self.scale(x, exponent);
-                if op == Unary::Negate { self.neg(x) } else { self.unary(op, x) }
+                self.simplified(op, x)
             }
             Node::Binary(Binary::Multiply, x, y) => {
                 let (x, y) = if self.depends(y).is_invariant() { (y, x) } else { (x, y) };
@@ -31,11 +32,7 @@ impl Graph {
             }
             Node::Binary(op @ (Binary::Add | Binary::Subtract | Binary::Min | Binary::Max), x, y) => {
                 let (x, y) = (self.scale(x, exponent), self.scale(y, exponent));
-                match op {
-                    Binary::Add => self.add(x, y),
-                    Binary::Subtract => self.sub(x, y),
-                    _ => self.binary(op, x, y),
-                }
+                self.simplified_pair(op, x, y)
             }
             Node::Select { condition, then, otherwise } => {
                 let (then, otherwise) = (self.scale(then, exponent), self.scale(otherwise, exponent));

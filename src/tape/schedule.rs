@@ -2,7 +2,8 @@
 //! [`super::assignment`]).
 
 use super::assignment::{Assignment, narrow};
-use super::graph::{Binary, Graph, Id, Unary};
+use super::graph::{Graph, Id};
+use super::operations::{Binary, Unary};
 use super::terms::Terms;
 use std::collections::HashMap;
 

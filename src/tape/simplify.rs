@@ -2,7 +2,8 @@
 //!
 //! `0 * x = 0` assumes that x is finite; a candidate for which it is not has failed anyway.
 
-use super::graph::{Binary, Graph, Id, Node, Unary};
+use super::graph::{Graph, Id, Node};
+use super::operations::{Binary, Unary};
 
 impl Graph {
     /// `a + b`.
@@ -85,8 +86,25 @@ impl Graph {
         if let (Some(x), Some(y)) = (self.value(a), self.value(b)) {
             return self.constant(op.apply(x, y));
         }
-        let (a, b) = if op.is_commutative() && b < a { (b, a) } else { (a, b) };
+        let (a, b) = if op.row().commutes && b < a { (b, a) } else { (a, b) };
         self.intern(Node::Binary(op, a, b))
+    }
+
+    /// Any operation of one operand, simplified.
+    pub(super) fn simplified(&mut self, op: Unary, a: Id) -> Id {
+        if op == Unary::Negate { self.neg(a) } else { self.unary(op, a) }
+    }
+
+    /// Any operation of two operands, simplified.
+    pub(super) fn simplified_pair(&mut self, op: Binary, a: Id, b: Id) -> Id {
+        match op {
+            Binary::Add => self.add(a, b),
+            Binary::Subtract => self.sub(a, b),
+            Binary::Multiply => self.mul(a, b),
+            Binary::Divide => self.div(a, b),
+            Binary::Power => self.pow(a, b),
+            _ => self.binary(op, a, b),
+        }
     }
 
     /// `a ^ b`: whole exponents up to 4 become products, 1/2 a root.

@@ -1,6 +1,7 @@
 //! From nodes to operations: pairs fused, and the order in which they run.
 
-use super::graph::{Binary, Graph, Id, Node, Unary};
+use super::graph::{Graph, Id, Node};
+use super::operations::{Binary, Unary};
 use super::schedule::Code;
 use std::collections::{HashMap, HashSet};
 

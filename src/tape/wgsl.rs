@@ -1,6 +1,6 @@
 //! Tapes as WGSL: one `let` an operation.
 
-use super::graph::{Binary, Unary};
+use super::operations::Wgsl;
 use super::schedule::{Argument, Code, Operation, Tape};
 use crate::precision::Precision;
 use std::fmt::Write;
@@ -76,13 +76,8 @@ impl Printer<'_> {
         let [a, b, c, d, e] = operation.arguments.map(of);
         Ok(match operation.code {
             Code::Copy => a,
-            Code::Unary(Unary::Negate) => format!("-{a}"),
-            Code::Unary(op) => format!("{}({a})", self.unary(op)?),
-            Code::Binary(Binary::Add) => format!("{a} + {b}"),
-            Code::Binary(Binary::Subtract) => format!("{a} - {b}"),
-            Code::Binary(Binary::Multiply) => format!("{a} * {b}"),
-            Code::Binary(Binary::Divide) => format!("{a} / {b}"),
-            Code::Binary(op) => format!("{}({a}, {b})", self.binary(op)?),
+            Code::Unary(op) => self.call(op.row().name, op.row().wgsl, &[a])?,
+            Code::Binary(op) => self.call(op.row().name, op.row().wgsl, &[a, b])?,
             Code::Select => format!("select({c}, {b}, positive({a}))"),
             Code::MultiplyAdd => format!("{a} * {b} + {c}"),
             Code::MultiplySubtract => format!("{a} * {b} - {c}"),
@@ -93,34 +88,14 @@ impl Printer<'_> {
         })
     }
 
-    fn unary(&self, op: Unary) -> Result<&'static str, WgslError> {
-        Ok(match op {
-            Unary::Negate => "-",
-            Unary::Sqrt => "sqrt",
-            Unary::Abs => "abs",
-            Unary::Positive => "positive_part",
-            Unary::Exp => self.single("exp")?,
-            Unary::Ln => self.single("log")?,
-            Unary::Sin => self.single("sin")?,
-            Unary::Cos => self.single("cos")?,
-            Unary::Tan => self.single("tan")?,
-            Unary::Atan => self.single("atan")?,
-        })
-    }
-
-    fn binary(&self, op: Binary) -> Result<&'static str, WgslError> {
-        Ok(match op {
-            Binary::Min => "min",
-            Binary::Max => "max",
-            Binary::Atan2 => self.single("atan2")?,
-            _ => self.single("pow")?,
-        })
-    }
-
-    fn single(&self, function: &'static str) -> Result<&'static str, WgslError> {
-        match self.precision {
-            Precision::F32 => Ok(function),
-            Precision::F64 => Err(WgslError::NotInF64 { function: function.to_owned() }),
+    fn call(&self, name: &str, wgsl: Wgsl, operands: &[String]) -> Result<String, WgslError> {
+        match wgsl {
+            Wgsl::Sign if operands.len() == 1 => Ok(format!("{name}{}", operands[0])),
+            Wgsl::Sign => Ok(operands.join(&format!(" {name} "))),
+            Wgsl::Single(function) if self.precision == Precision::F64 => {
+                Err(WgslError::NotInF64 { function: function.to_owned() })
+            }
+            Wgsl::Call(function) | Wgsl::Single(function) => Ok(format!("{function}({})", operands.join(", "))),
         }
     }
 }

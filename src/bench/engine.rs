@@ -119,11 +119,11 @@ impl Engine {
 
     pub(super) fn description(&self) -> Description {
         match self {
-            Self::Cpu(cpu) => Description { device: "cpu", name: cpu.device().adapter, kernel_build: None },
+            Self::Cpu(cpu) => Description { device: "cpu", name: cpu.device().adapter.to_string(), kernel_build: None },
             #[cfg(feature = "gpu")]
             Self::Gpu(gpu) => Description {
                 device: if gpu.adapter().is_software() { "software adapter" } else { "gpu" },
-                name: gpu.device().adapter,
+                name: gpu.device().adapter.to_string(),
                 kernel_build: Some(gpu.kernel_build_time()),
             },
         }

@@ -12,7 +12,7 @@ use super::options::{Compute, DeviceChoice, PrecisionChoice};
 use super::paths;
 use super::run_files::{self, CHECKPOINT};
 use crate::data::Log;
-use crate::evaluate::Device;
+use crate::evaluate::{Backend, Device, Precision};
 use crate::model::Problem;
 use crate::study::{Checkpoint, CheckpointFile, Generation, Identity, Observer, Scored, Snapshot, Source};
 
@@ -99,7 +99,10 @@ impl Resumed {
     /// unless another one is asked for or it is no longer there.
     pub(super) fn compute(&self, asked: &Compute) -> anyhow::Result<Compute> {
         let Device { backend, adapter, precision } = &self.checkpoint.snapshot.device;
-        let same = if precision == "f32" { PrecisionChoice::F32 } else { PrecisionChoice::F64 };
+        let same = match precision {
+            Precision::F32 => PrecisionChoice::F32,
+            Precision::F64 => PrecisionChoice::F64,
+        };
         if asked.precision != PrecisionChoice::Auto && asked.precision != same {
             bail!(
                 "{}: the search ran in {precision}, and costs in two precisions do not compare (leave out --precision, \
@@ -111,9 +114,10 @@ impl Resumed {
         if asked.device != DeviceChoice::Auto || asked.adapter.is_some() {
             return Ok(compute);
         }
-        let adapter = if backend == "gpu" { evaluator::adapter_of(adapter) } else { None };
-        let device = if adapter.is_some() { DeviceChoice::Gpu } else { DeviceChoice::Cpu };
-        Ok(Compute { device, adapter, ..compute })
+        if *backend == Backend::Gpu && evaluator::has_adapter(&adapter.name) {
+            return Ok(Compute { device: DeviceChoice::Gpu, adapter: Some(adapter.name.clone()), ..compute });
+        }
+        Ok(Compute { device: DeviceChoice::Cpu, adapter: None, ..compute })
     }
 }
 

@@ -7,14 +7,14 @@ use anyhow::ensure;
 use super::console::Console;
 use super::options::{Compute, DeviceChoice};
 use crate::data::Log;
-use crate::evaluate::{CpuEvaluator, CpuOptions, Device, Evaluation, Evaluator, Population};
+use crate::evaluate::{Backend, CpuEvaluator, CpuOptions, Device, Evaluation, Evaluator, Population, Precision};
 use crate::filter::{Program, trace};
 use crate::model::Problem;
 
 #[cfg(feature = "gpu")]
 mod on_gpu;
 #[cfg(feature = "gpu")]
-pub(super) use on_gpu::adapter_of;
+pub(super) use on_gpu::has_adapter;
 
 /// Candidate-rows x operations of a step from which `auto` looks for a GPU. The lanes do about 2e9 to 4e9 a second and
 /// core, so this is a few seconds of two cores; finding, opening and compiling for a GPU takes about half a second.
@@ -100,8 +100,9 @@ impl Chosen {
     pub(super) fn say_if_moved(&self, before: &Device) {
         let now = self.evaluator.device();
         if now.backend != before.backend {
-            let name = |device: &Device| format!("the {} ({})", device.backend.to_uppercase(), device.adapter);
-            let (ran, runs, format) = (name(before), name(&now), &now.precision);
+            let name =
+                |device: &Device| format!("the {} ({})", device.backend.to_string().to_uppercase(), device.adapter);
+            let (ran, runs, format) = (name(before), name(&now), now.precision);
             self.notices.warn(&format!("the search ran on {ran}: going on in {format} on {runs}"));
         }
     }
@@ -109,7 +110,7 @@ impl Chosen {
     /// Whether polish, a search in f64 of a few candidates at a time, can use it too.
     pub(super) fn can_polish(&self) -> bool {
         let Device { backend, precision, .. } = self.evaluator.device();
-        backend == "cpu" && precision == "f64"
+        (backend, precision) == (Backend::Cpu, Precision::F64)
     }
 }
 
@@ -131,10 +132,10 @@ impl Evaluator for Chosen {
     }
 }
 
-/// No adapter is here to have run on.
+/// No adapter is here.
 #[cfg(not(feature = "gpu"))]
-pub(super) const fn adapter_of(_description: &str) -> Option<String> {
-    None
+pub(super) const fn has_adapter(_name: &str) -> bool {
+    false
 }
 
 /// Operations of so many candidates' runs over the log.

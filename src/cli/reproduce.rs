@@ -186,7 +186,7 @@ impl Drop for Bar {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::Device;
+    use crate::evaluate::{Backend, Device, Precision};
     use crate::reproduce::{Cell, Figure, Required, Table};
 
     fn result(name: &'static str, measured: f64) -> Reproduction {
@@ -209,7 +209,7 @@ mod tests {
             readings: Vec::new(),
             data: vec![table("runs")],
             figures: vec![Figure { name: "rain".into(), caption: "Rain".into(), svg: "<svg/>".into() }],
-            device: Device { backend: "mock".into(), adapter: "none".into(), precision: "f64".into() },
+            device: Device { backend: Backend::Mock, adapter: "none".into(), precision: Precision::F64 },
             wall_s: 1.5,
         }
     }

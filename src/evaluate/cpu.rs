@@ -1,7 +1,7 @@
 //! The CPU evaluator: the tape over blocks of candidates, blocks over threads.
 
 use super::block::{Blocks, Rounded, Totals, instruction_set};
-use super::{Device, Evaluation, Evaluator, Population, Precision, Status, scored, single};
+use super::{Backend, Device, Evaluation, Evaluator, Population, Precision, Status, scored, single};
 use crate::data::Log;
 use crate::filter::{Form, Program, TraceError, trace_as};
 use crate::model::Problem;
@@ -215,9 +215,9 @@ impl Evaluator for CpuEvaluator {
     fn device(&self) -> Device {
         let precision = self.program().precision();
         Device {
-            backend: "cpu".to_owned(),
-            adapter: format!("{}, {}", instruction_set(), counted(self.threads, "thread")),
-            precision: precision.to_string(),
+            backend: Backend::Cpu,
+            adapter: format!("{}, {}", instruction_set(), counted(self.threads, "thread")).into(),
+            precision,
         }
     }
 

@@ -2,6 +2,7 @@
 
 mod block;
 mod cpu;
+mod device;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 
@@ -11,20 +12,10 @@ mod single;
 pub use crate::population::{Evaluation, Population, Status};
 pub use crate::precision::Precision;
 pub use cpu::{BuildError, CpuEvaluator, CpuOptions};
+pub use device::{Adapter, Backend, Device};
 
 use crate::filter::Program;
 use crate::objective::Constraint;
-
-/// Where costs were computed, for reports.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub struct Device {
-    /// `cpu`, `gpu` or `mock`.
-    pub backend: String,
-    /// The processor or adapter, with its instruction set or driver.
-    pub adapter: String,
-    /// `f64` or `f32`.
-    pub precision: String,
-}
 
 /// Scores whole populations; the only way any optimiser gets a cost.
 pub trait Evaluator {

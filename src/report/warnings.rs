@@ -5,6 +5,7 @@ use std::fmt;
 use super::constraint::misses;
 use super::matrices::differ_in_unit;
 use super::{StartOf, Tuning, Validation, count, significant};
+use crate::evaluate::Precision;
 use crate::model::Problem;
 use crate::objective::{Kind, Objective};
 use crate::optimize;
@@ -57,15 +58,15 @@ pub enum Warning {
     },
     /// Reference and search rank the best candidates differently.
     OrderChanged {
-        /// `f64` or `f32`, of the search.
-        precision: String,
+        /// Of the search.
+        precision: Precision,
     },
     /// Reference and search differ by more than single precision should cost.
     LargeGap {
         /// Relative difference.
         gap: f64,
-        /// `f64` or `f32`, of the search.
-        precision: String,
+        /// Of the search.
+        precision: Precision,
     },
 }
 
@@ -74,7 +75,7 @@ impl Warning {
     #[must_use]
     pub fn of(tuning: &Tuning) -> Vec<Self> {
         let Tuning { effort, certificate, .. } = tuning;
-        let precision = &effort.device.precision;
+        let precision = effort.device.precision;
         let (evaluations, failed) = (effort.evaluations, effort.failed);
         let gap = certificate.largest_relative_gap;
         [
@@ -85,8 +86,8 @@ impl Warning {
             tuning.front.as_ref().filter(|front| front.len() == 1).map(|_| Self::OneMember),
             (failed > 0).then_some(Self::Failures { failed, evaluations }),
             not_converged(tuning),
-            (!certificate.order_held).then(|| Self::OrderChanged { precision: precision.clone() }),
-            (certificate.largest_gap > LARGE_GAP).then(|| Self::LargeGap { gap, precision: precision.clone() }),
+            (!certificate.order_held).then_some(Self::OrderChanged { precision }),
+            (certificate.largest_gap > LARGE_GAP).then_some(Self::LargeGap { gap, precision }),
         ]
         .into_iter()
         .flatten()
@@ -139,8 +140,10 @@ fn gains(Tuning { effort, objectives, constraints, .. }: &Tuning) -> bool {
 
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let remedy =
-            |precision: &str| if precision == "f32" { "search with --precision f64" } else { "check the model" };
+        let remedy = |precision: &Precision| match precision {
+            Precision::F32 => "search with --precision f64",
+            Precision::F64 => "check the model",
+        };
         match self {
             Self::NoGain => f.write_str(
                 "the tuned parameters are no better than the baseline (search longer, or with the start values in it)",

@@ -173,11 +173,12 @@ impl Serialize for Reproduction {
 mod tests {
     use super::super::Required;
     use super::*;
+    use crate::evaluate::{Backend, Precision};
 
     fn reproduction(measured: f64) -> Reproduction {
         let mut table = Table::new("summary", "Summary", &["method", "J"]);
         table.rows.push(vec![Cell::text("PIO"), Cell::Number(1.5, 3)]);
-        let device = Device { backend: "mock".into(), adapter: "none".into(), precision: "f64".into() };
+        let device = Device { backend: Backend::Mock, adapter: "none".into(), precision: Precision::F64 };
         Reproduction {
             name: "made-up",
             summary: "A study of nothing.".into(),

@@ -149,7 +149,7 @@ fn what_cannot_be_resumed_is_refused_with_the_reason() {
     flipped[whole.len() / 2] ^= 1;
     expect(with(&flipped), "it is damaged, its checksum does not hold: copy it again");
     let newer = [&whole[..8], &[9], &whole[9..]].concat();
-    expect(with(&newer), "it has format 9 of checkpoints, this kfgpu reads format 2");
+    expect(with(&newer), "it has format 9 of checkpoints, this kfgpu reads format 3");
     let missing = folder.run(&["tune", "--resume", "nowhere"]).refusal();
     expect(missing, "cannot resume from nowhere: it cannot be read: ");
     std::fs::create_dir(folder.path("empty")).unwrap();

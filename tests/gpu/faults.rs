@@ -4,7 +4,7 @@ use crate::case::{Case, Text};
 use crate::logs::Shape;
 use crate::{adapter, bits, cpu, gpu, options};
 use kfgpu::evaluate::gpu::{AdapterError, GpuError, GpuEvaluator};
-use kfgpu::evaluate::{Evaluation, Evaluator, Population, Precision};
+use kfgpu::evaluate::{Backend, Evaluation, Evaluator, Population, Precision};
 use kfgpu::reference;
 use kfgpu::study::{self, Generation, Judge, Observer, Outcome, Scored, Snapshot, Study};
 use std::sync::atomic::AtomicBool;
@@ -36,7 +36,7 @@ fn after_a_loss_costs_are_those_of_the_cpu_in_the_same_precision() {
         for _ in 0..evaluations_before {
             evaluator.evaluate(&case.population);
         }
-        assert_eq!((evaluator.failure(), evaluator.device().backend.as_str()), (None, "gpu"), "before the loss");
+        assert_eq!((evaluator.failure(), evaluator.device().backend), (None, Backend::Gpu), "before the loss");
         evaluator.lose_device();
         let expected = bits(&cpu(&case, precision).evaluate(&case.population));
         for _ in 0..2 {
@@ -50,9 +50,9 @@ fn after_a_loss_costs_are_those_of_the_cpu_in_the_same_precision() {
         assert_eq!(said.len(), 1, "said once: {said:?}");
         assert!(said[0].contains(&adapter) && said[0].ends_with(&format!("CPU in {precision}")), "{}", said[0]);
         let device = evaluator.device();
-        assert_eq!(device.backend, "cpu", "the report says where the search ended");
-        assert!(device.adapter.contains(&adapter), "and what failed: {}", device.adapter);
-        assert_eq!(device.precision, precision.to_string(), "in the precision it began with");
+        assert_eq!(device.backend, Backend::Cpu, "the report says where the search ended");
+        assert!(device.adapter.name.contains(&adapter), "and what failed: {}", device.adapter);
+        assert_eq!(device.precision, precision, "in the precision it began with");
     }
 }
 
@@ -155,8 +155,8 @@ fn a_loss_ends_as_the_checkpoint_before_it_resumed_on_the_cpu() {
         let judge = Judge { oracle: &oracle, polisher: Some(&mut polisher) };
         let outcome = study::run(&study, &mut lossy, judge, &mut [&mut keeper], &flag).unwrap();
         let at = |generation: usize| &keeper.0[generation].device;
-        assert_eq!((at(lost - 1).backend.as_str(), at(lost).backend.as_str()), ("gpu", "cpu"), "lost at {lost}");
-        assert_eq!((at(0).precision.as_str(), at(6).precision.as_str()), ("f32", "f32"), "lost at {lost}");
+        assert_eq!((at(lost - 1).backend, at(lost).backend), (Backend::Gpu, Backend::Cpu), "lost at {lost}");
+        assert_eq!((at(0).precision, at(6).precision), (Precision::F32, Precision::F32), "lost at {lost}");
 
         let (mut resumed, mut polisher) = (cpu(&case, Precision::F32), cpu(&case, Precision::F64));
         let judge = Judge { oracle: &oracle, polisher: Some(&mut polisher) };

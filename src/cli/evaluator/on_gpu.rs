@@ -45,10 +45,9 @@ pub(super) fn build(
     }
 }
 
-/// The name of an adapter that is here, from the description of a device that ran on it.
-pub(in crate::cli) fn adapter_of(description: &str) -> Option<String> {
-    let describes = |name: &str| description.strip_prefix(name).is_some_and(|rest| rest.starts_with(" ("));
-    stderr::without_desktop(adapters).into_iter().map(|adapter| adapter.name).find(|name| describes(name))
+/// Whether an adapter of this name is here.
+pub(in crate::cli) fn has_adapter(name: &str) -> bool {
+    stderr::without_desktop(adapters).iter().any(|adapter| adapter.name == name)
 }
 
 /// In f32 unless f64 is asked for, or the problem needs it and the choice is free.

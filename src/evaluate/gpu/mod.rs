@@ -15,7 +15,7 @@ pub use device::GpuFailure;
 pub use shader::assemble;
 
 use super::cpu::{CpuEvaluator, beside};
-use super::{BuildError, Device, Evaluation, Evaluator, Population, Precision, single};
+use super::{Adapter, Backend, BuildError, Device, Evaluation, Evaluator, Population, Precision, single};
 use crate::data::Log;
 use crate::filter::{Program, trace};
 use crate::model::Problem;
@@ -259,11 +259,11 @@ impl Evaluator for GpuEvaluator {
     fn device(&self) -> Device {
         let AdapterInfo { name, backend, kind, driver, .. } = &self.gpu.info;
         let Some(failure) = &self.failure else {
-            let adapter = format!("{name} ({kind}, {backend}, {driver})");
-            return Device { backend: "gpu".to_owned(), adapter, precision: self.precision.to_string() };
+            let adapter = Adapter { name: name.clone(), driver: format!("{kind}, {backend}, {driver}") };
+            return Device { backend: Backend::Gpu, adapter, precision: self.precision };
         };
         let cpu = self.cpu.device();
-        Device { adapter: format!("{}, after the GPU {name} failed: {failure}", cpu.adapter), ..cpu }
+        Device { adapter: format!("{}, after the GPU {name} failed: {failure}", cpu.adapter).into(), ..cpu }
     }
 
     fn rows(&self) -> usize {

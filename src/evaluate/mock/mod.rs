@@ -8,7 +8,7 @@ pub use multi_objective::MultiObjective;
 
 use rayon::prelude::*;
 
-use super::{Device, Evaluation, Evaluator, Population, Status};
+use super::{Backend, Device, Evaluation, Evaluator, Population, Precision, Status};
 use landscape::HALF_WIDTH;
 
 /// What a [`Mock`] computes.
@@ -135,7 +135,7 @@ impl Evaluator for Mock {
     }
 
     fn device(&self) -> Device {
-        Device { backend: "mock".to_owned(), adapter: self.function.name(), precision: "f64".to_owned() }
+        Device { backend: Backend::Mock, adapter: self.function.name().into(), precision: Precision::F64 }
     }
 }
 
@@ -174,6 +174,6 @@ mod tests {
         let costs = mock.evaluate(&Population::from_rows(2, vec![0.25, 0.0, 0.75, 0.0]));
         assert_eq!((costs.costs(0), costs.costs(1)), (&[0.25, 0.9375][..], &[0.75, 0.4375][..]));
         assert!(costs.violation(0) <= 0.0 && (costs.violation(1) - 0.25).abs() < 1e-15);
-        assert_eq!((mock.objectives(), mock.device().adapter.as_str()), (2, "Zdt2"));
+        assert_eq!((mock.objectives(), mock.device().adapter.name.as_str()), (2, "Zdt2"));
     }
 }

@@ -256,7 +256,7 @@ pub(super) fn effort(effort: &Effort) -> String {
         ("generations", count(effort.generations as u64)),
         ("ended", ended(effort.stop).to_owned()),
         ("time", format!("{}, of which {} evaluating", seconds(effort.wall_s), seconds(effort.evaluate_s))),
-        ("computed on", format!("{} ({}, {})", device.backend, plain(&device.adapter), device.precision)),
+        ("computed on", format!("{} ({}, {})", device.backend, plain(&device.adapter.to_string()), device.precision)),
         ("kfgpu", env!("CARGO_PKG_VERSION").to_owned()),
     ];
     let rows: Vec<Vec<String>> = rows.map(|(what, value)| vec![what.to_owned(), value]).to_vec();

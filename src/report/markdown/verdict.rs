@@ -42,7 +42,7 @@ fn recommendation(tuning: &Tuning) -> String {
 /// Of a winner that gains on the baseline, and how: what the certificate, the consistency and the held-out rows add.
 fn with_gain(tuning: &Tuning, standing: &str) -> String {
     if !tuning.certificate.order_held {
-        let precision = tuning.effort.device.precision.clone();
+        let precision = tuning.effort.device.precision;
         format!("Check before use: {}.", Warning::OrderChanged { precision })
     } else if tuning.converged == Some(false) {
         let note =

@@ -71,7 +71,7 @@ pub struct Source {
 
 impl Checkpoint {
     /// Version of the file format.
-    pub const VERSION: u32 = 2;
+    pub const VERSION: u32 = 3;
 
     /// Of this state, written by this build.
     #[must_use]

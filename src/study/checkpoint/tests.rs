@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use proptest::prelude::*;
 
 use super::*;
-use crate::evaluate::Device;
+use crate::evaluate::{Backend, Device, Precision};
 use crate::simulate::simulate;
 use crate::study::{Front, Generation, Observer as _, Reached, Scored};
 
@@ -58,7 +58,7 @@ fn snapshot(generations: usize) -> Snapshot {
         front: Some(Front::new(2, 128)),
         evaluate_s: 0.25,
         wall_s: 0.5,
-        device: Device { backend: "cpu".to_owned(), adapter: "a".to_owned(), precision: "f64".to_owned() },
+        device: Device { backend: Backend::Cpu, adapter: "a".into(), precision: Precision::F64 },
     }
 }
 
@@ -101,7 +101,7 @@ fn every_refusal_says_what_to_do() {
     };
     assert!(Checkpoint::read(b"").expect_err("refused").to_string().starts_with("the file is empty: name a"));
     assert!(with(0, b"t,z\n").starts_with("it is not a checkpoint of kfgpu: name the checkpoint.kfgpu"));
-    assert!(with(8, &[9]).starts_with("it has format 9 of checkpoints, this kfgpu reads format 2: resume"));
+    assert!(with(8, &[9]).starts_with("it has format 9 of checkpoints, this kfgpu reads format 3: resume"));
     assert!(with(15, &[1]).starts_with("it is truncated, "));
     assert!(with(60, &[255; 4]).starts_with("it is damaged, its checksum does not hold: copy it again"));
     let older = Checkpoint { written_by: "0.0.9".to_owned(), ..checkpoint() };

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use rayon::prelude::*;
 
 use super::*;
-use crate::evaluate::{Device, Evaluator, Status};
+use crate::evaluate::{Backend, Device, Evaluator, Precision, Status};
 use crate::model::{Parameter, Parameters, Pick, Scale, Search, TuneSpec, Value};
 use crate::objective::{Constraint, Kind, Objective, Relation};
 use crate::optimize::pareto::dominates;
@@ -41,7 +41,7 @@ impl Evaluator for Mock<'_> {
     }
 
     fn device(&self) -> Device {
-        Device { backend: "mock".to_owned(), adapter: "pair".to_owned(), precision: "f64".to_owned() }
+        Device { backend: Backend::Mock, adapter: "pair".into(), precision: Precision::F64 }
     }
 }
 

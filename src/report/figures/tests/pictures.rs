@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::*;
 use crate::data::Log;
+use crate::evaluate::mock::{Landscape, Mock};
 use crate::evaluate::{CpuEvaluator, CpuOptions, Device, Evaluation, Evaluator, Population, Status};
 use crate::model::Problem;
 use crate::reference;
@@ -262,7 +263,7 @@ impl Evaluator for Failing {
     }
 
     fn device(&self) -> Device {
-        Device { backend: "mock".into(), adapter: String::new(), precision: "f64".into() }
+        Mock::new(Landscape::Sphere).device()
     }
 }
 

@@ -1,11 +1,13 @@
 //! Published studies run again: our numbers beside the paper's, and targets that pass or fail.
 //!
-//! A study is a folder and a row of [`STUDIES`]. It draws its own data, runs on the machinery that every problem file
+//! A study is a folder with a [`protocol::Protocol`], and a row of [`STUDIES`]. It draws its own data, runs on the machinery that every problem file
 //! runs on, and hands back a [`Reproduction`]: targets (gated), tables and findings (printed, not gated), figures.
 //! Everything but times depends on the seed alone.
 
+mod columns;
 mod kf_pio;
 mod moma;
+mod protocol;
 mod reproduction;
 mod statistics;
 mod table;
@@ -18,13 +20,10 @@ use crate::data::Log;
 use crate::evaluate::{BuildError, CpuEvaluator, CpuOptions, Device, Evaluator as _, Population, Precision};
 use crate::model::{Problem, ProblemError};
 use crate::optimize::OptimizeError;
-use crate::random::{Purpose, Stream};
 use crate::reference::Failure;
 use crate::report::figures::FigureError;
 use crate::simulate::SimulateError;
 use crate::study::StudyError;
-use rand::TryRng as _;
-use rayon::prelude::*;
 
 pub use reproduction::{Figure, Reproduction};
 pub use table::{Cell, Table};
@@ -39,7 +38,7 @@ pub struct PublishedStudy {
     pub about: &'static str,
     /// The paper, with its DOI where it has one.
     pub paper: &'static str,
-    run: fn(&Options, &dyn Progress) -> Result<Reproduction, ReproduceError>,
+    run: fn(&Self, &Options, &dyn Progress) -> Result<Reproduction, ReproduceError>,
 }
 
 /// Every study that can be reproduced.
@@ -163,7 +162,7 @@ impl PublishedStudy {
             .build()
             .map_err(|error| ReproduceError::Threads { threads, reason: error.to_string() })?;
         let clock = Instant::now();
-        let mut report = pool.install(|| (self.run)(options, progress))?;
+        let mut report = pool.install(|| (self.run)(self, options, progress))?;
         report.wall_s = clock.elapsed().as_secs_f64();
         Ok(report)
     }
@@ -189,27 +188,6 @@ fn scores(evaluator: &mut CpuEvaluator, candidates: &Population) -> Vec<f64> {
     (0..candidates.len()).map(|i| costs.costs(i)[0]).collect()
 }
 
-/// What `one` finds on each of the data sets 0 to `count` - 1, side by side.
-fn over_data_sets<T: Send>(
-    count: u64,
-    progress: &dyn Progress,
-    one: impl Fn(u64) -> Result<T, ReproduceError> + Sync,
-) -> Result<Vec<T>, ReproduceError> {
-    progress.begin(usize::try_from(count).unwrap_or(usize::MAX));
-    let counted = |index| {
-        let found = one(index);
-        progress.advance();
-        found
-    };
-    (0..count).into_par_iter().map(counted).collect()
-}
-
-/// A seed for one search, so that no two data sets or studies of different seeds share a draw.
-fn seed_of(study: u64, data_set: u64, run: u64) -> u64 {
-    let Ok(seed) = Stream::new(study, Purpose::Workload, data_set, run).try_next_u64();
-    seed
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -232,11 +210,5 @@ mod tests {
         names.sort_unstable();
         names.dedup();
         assert_eq!(names.len(), STUDIES.len() + 1, "{names:?}");
-    }
-
-    #[test]
-    fn seeds_differ_by_study_data_set_and_run() {
-        let seeds = [seed_of(1, 0, 0), seed_of(2, 0, 0), seed_of(1, 1, 0), seed_of(1, 0, 1)];
-        assert!((0..4).all(|i| (0..i).all(|j| seeds[i] != seeds[j])), "{seeds:?}");
     }
 }

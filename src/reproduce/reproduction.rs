@@ -8,6 +8,7 @@ use serde::ser::{SerializeStruct as _, Serializer};
 use super::table::{Cell, Table};
 use super::target::Target;
 use crate::evaluate::Device;
+use crate::report::figures::{Figure as Picture, FigureError};
 use crate::report::seconds;
 
 /// A picture of a study.
@@ -19,6 +20,16 @@ pub struct Figure {
     pub caption: String,
     /// The picture.
     pub svg: String,
+}
+
+impl Figure {
+    pub(super) fn of(
+        name: impl Into<String>,
+        caption: impl Into<String>,
+        picture: &Picture,
+    ) -> Result<Self, FigureError> {
+        Ok(Self { name: name.into(), caption: caption.into(), svg: picture.to_svg()? })
+    }
 }
 
 /// A study as it was run.

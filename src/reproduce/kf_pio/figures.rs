@@ -1,6 +1,7 @@
 //! Pictures like the paper's Figs 5 to 8, of the data set whose gap PIO/PSO is the median.
 
-use super::super::{Cell, Figure, ReproduceError, Table};
+use super::super::columns::Columns;
+use super::super::{Figure, ReproduceError, Table};
 use super::scenario;
 use super::{Bench, DataSet, Results};
 use crate::data::Trajectory;
@@ -82,12 +83,9 @@ impl Shown<'_> {
             .line("true", Stroke::dashed(Colour::Red, Dash::Dashed), self.points(|t| &t.truth))
             .line("estimated", estimate, positions.iter().copied());
         let title = format!("{label}: J = {} (data set {})", significant(*j, 4), self.set.index);
-        let svg = Picture::new(title).columns(2).size(860.0, 300.0).panel(measured).panel(truth).to_svg()?;
-        Ok(Figure {
-            name: format!("fig{number}-{}", label.to_lowercase()),
-            caption: format!("As the paper's Fig. {number}: track of {label}, J in-sample."),
-            svg,
-        })
+        let name = format!("fig{number}-{}", label.to_lowercase());
+        let caption = format!("As the paper's Fig. {number}: track of {label}, J in-sample.");
+        Figure::of(name, caption, &Picture::new(title).columns(2).size(860.0, 300.0).panel(measured).panel(truth))
     }
 
     /// Axes that show measurements, truth and estimates, the same in (a) and (b).
@@ -112,26 +110,23 @@ impl Shown<'_> {
             .steps("PIO+", Stroke::of_series(2), curve(&self.set.plus.best))
             .horizontal("independent optimum", Stroke::dashed(Colour::Grey, Dash::Dotted), self.set.optimum);
         let title = format!("Best J of the search (data set {})", self.set.index);
-        let svg = Picture::new(title).size(760.0, 280.0).panel(panel).to_svg()?;
-        Ok(Figure {
-            name: "fig8-convergence".to_owned(),
-            caption: "As the paper's Fig. 8: best J against iteration, J in-sample.".to_owned(),
-            svg,
-        })
+        let caption = "As the paper's Fig. 8: best J against iteration, J in-sample.";
+        Figure::of("fig8-convergence", caption, &Picture::new(title).size(760.0, 280.0).panel(panel))
     }
 
     /// The numbers of Figs 5 to 7.
     pub(super) fn table(&self) -> Table {
-        let mut columns = ["row", "true_x", "true_y", "measured_x", "measured_y"].map(str::to_owned).to_vec();
-        columns.extend(self.estimates.iter().flat_map(|e| [format!("{}_x", e.label), format!("{}_y", e.label)]));
-        let mut table = Table::new("tracks", format!("Tracks of data set {}", self.set.index), &[]);
-        table.columns = columns;
-        for k in 0..self.track.len() {
-            let fixed = self.track.truth.row(k).iter().chain(self.track.z.row(k)).copied();
-            let filters = self.estimates.iter().flat_map(|e| [e.positions[k].0, e.positions[k].1]);
-            let cells = fixed.chain(filters).map(|x| Cell::Number(x, 6));
-            table.rows.push(std::iter::once(Cell::Count(k as u64 + 1)).chain(cells).collect());
+        let track = &self.track;
+        let mut columns = Columns::new()
+            .count("row", |k: &usize| *k as u64 + 1)
+            .numbers(["true_x", "true_y"], 6, |k| [track.truth.row(*k)[0], track.truth.row(*k)[1]])
+            .numbers(["measured_x", "measured_y"], 6, |k| [track.z.row(*k)[0], track.z.row(*k)[1]]);
+        for Estimates { label, positions, .. } in &self.estimates {
+            columns =
+                columns
+                    .number(format!("{label}_x"), 6, |k| positions[*k].0)
+                    .number(format!("{label}_y"), 6, |k| positions[*k].1);
         }
-        table
+        columns.table("tracks", format!("Tracks of data set {}", self.set.index), 0..track.len())
     }
 }

@@ -16,9 +16,9 @@ impl Results {
             format!(
                 "J at R = I: closed form {}, mean over {} tracks {} (standard deviation {}), paper 70.44.",
                 show(expected_untuned(ROWS), 4),
-                self.untuned.len(),
-                show(mean(&self.untuned), 4),
-                show(standard_deviation(&self.untuned), 3)
+                self.beside.untuned.len(),
+                show(mean(&self.beside.untuned), 4),
+                show(standard_deviation(&self.beside.untuned), 3)
             ),
             format!(
                 "PIO/PSO: median {}, smallest {}; the paper's one pair gives 1.176.",
@@ -97,25 +97,21 @@ impl Results {
 }
 
 /// What the paper leaves open.
-pub(super) fn readings() -> Vec<String> {
-    [
-        "J is measured against the truth. Table 1 does not define X(i) and Y(i), and eq. 2 uses X(i) for the measured \
+pub(super) const READINGS: &[&str] = &[
+    "J is measured against the truth. Table 1 does not define X(i) and Y(i), and eq. 2 uses X(i) for the measured \
          value; against measurements R = 0 gives J = 0, so 37.62 could be no minimum.",
-        "The filter starts at the first measurement with P = I, and that row counts in J. Started at the true state J \
+    "The filter starts at the first measurement with P = I, and that row counts in J. Started at the true state J \
          falls to 0 as R grows, and the search bound alone sets the answer.",
-        "N and sigma are not given. J is proportional to sigma and only N sigma = 84.04 follows from 70.44; N = 50 \
+    "N and sigma are not given. J is proportional to sigma and only N sigma = 84.04 follows from 70.44; N = 50 \
          is ours.",
-        "\"Only KF\" is read as R = I. D = 4 is read as R = M M' with a full 2 x 2 M (three effective dimensions); \
+    "\"Only KF\" is read as R = I. D = 4 is read as R = M M' with a full 2 x 2 M (three effective dimensions); \
          four raw entries of R give matrices that are no covariance.",
-        "The search starts in [0, sqrt 10] and is unclamped: clipped to a box that holds the optimum, or to one that \
+    "The search starts in [0, sqrt 10] and is unclamped: clipped to a box that holds the optimum, or to one that \
          does not, PIO and PSO tie and no gap of 17.6 % appears.",
-        "PIO moves by the new velocity and weighs landmarks by 1/J. Eq. 9 as printed moves by the old one, and eq. \
+    "PIO moves by the new velocity and weighs landmarks by 1/J. Eq. 9 as printed moves by the old one, and eq. \
          11 as printed gives the worst pigeon the largest weight; both are run as the printed variant.",
-        "PSO's constants are not given: constriction, w = 0.7298 and c1 = c2 = 1.49618, 200 particles, 150 iterations.",
-        "Not recoverable, so not targets: 44.25, 37.62, and the iterations 54 and 59. Some fifty readings were tried \
+    "PSO's constants are not given: constriction, w = 0.7298 and c1 = c2 = 1.49618, 200 particles, 150 iterations.",
+    "Not recoverable, so not targets: 44.25, 37.62, and the iterations 54 and 59. Some fifty readings were tried \
          by an earlier, independent program, none of which gives the gap and the iterations together. The readings \
          were chosen with the paper's numbers in view, so agreement is a fit.",
-    ]
-    .map(str::to_owned)
-    .to_vec()
-}
+];

@@ -14,7 +14,8 @@ mod targets;
 
 use rayon::prelude::*;
 
-use super::{Options, Progress, PublishedStudy, ReproduceError, Reproduction, seed_of};
+use super::protocol::{self, Protocol, Tell, seed_of};
+use super::{Figure, PublishedStudy, ReproduceError, Table};
 use crate::data::Log;
 use crate::evaluate::{CpuEvaluator, Device, Population};
 use crate::model::Problem;
@@ -30,7 +31,7 @@ pub(super) const STUDY: PublishedStudy = PublishedStudy {
     about: "measurement noise of a tracking filter by pigeon-inspired optimisation, against particle swarms",
     paper: "Zhao, Deng, Wei, Hu, Duan, Luo: A Kalman Filtering Algorithm Based on Pigeon-inspired Optimization for \
             Target Tracking in Autonomous Aerial Refueling",
-    run,
+    run: protocol::run::<Bench>,
 };
 
 /// How much is run, and with which pigeons.
@@ -60,36 +61,6 @@ const BOXES: [Bounds; 2] = [Bounds::Box(-50.0, 50.0), Bounds::Box(0.0, 3.162_277
 
 /// rho of the fixed R = rho I that held-out scores are compared with.
 const FIXED: f64 = 50.0;
-
-impl Plan {
-    const FULL: Self = Self {
-        data_sets: 30,
-        untuned: 1000,
-        matrices: 1000,
-        local_searches: 20,
-        fresh: 40,
-        pio: pio::PUBLISHED,
-        pso: pso::CONSTRICTION,
-    };
-
-    const QUICK: Self = Self { data_sets: 10, untuned: 250, matrices: 200, ..Self::FULL };
-
-    /// What this plan leaves out of the full one, in words.
-    fn reduced(&self) -> Option<String> {
-        (self.data_sets < Self::FULL.data_sets).then(|| {
-            format!(
-                "{} data sets in place of {}, {} untuned tracks in place of {}, {} random M in place of {}; intervals \
-                 are as wide as the smaller sample needs, and counts ask for all but one.",
-                self.data_sets,
-                Self::FULL.data_sets,
-                self.untuned,
-                Self::FULL.untuned,
-                self.matrices,
-                Self::FULL.matrices
-            )
-        })
-    }
-}
 
 /// Everything found on one data set.
 #[derive(Debug, Clone)]
@@ -127,72 +98,29 @@ impl DataSet {
     }
 }
 
-/// All that targets, tables and figures are made from.
-#[derive(Debug)]
-struct Results {
-    plan: Plan,
-    seed: u64,
+/// What is measured beside the data sets.
+struct Beside {
     /// J of the untuned filter, one a track.
     untuned: Vec<f64>,
     /// Largest relative difference of J over random M: tape and reference against the oracle.
     oracle_gap: f64,
-    data_sets: Vec<DataSet>,
-    device: Device,
 }
 
-fn run(options: &Options, progress: &dyn Progress) -> Result<Reproduction, ReproduceError> {
-    let plan = if options.quick { Plan::QUICK } else { Plan::FULL };
-    let bench = Bench::new()?;
-    let results = Results::compute(&bench, plan, options.seed, progress)?;
-    let mut report = results.report();
-    if let Some(shown) = results.shown(&bench)? {
-        report.figures = shown.figures()?;
-        report.data.push(shown.table());
-    }
-    Ok(report)
+type Results = protocol::Results<Bench>;
+
+fn summary(_: &Results) -> String {
+    "R = M M' of a planar Kalman filter tuned on one noisy track, scored by J = the sum of |estimate - truth| over its 50 \
+     rows. Every J of a tuned filter is in-sample unless called held-out."
+        .to_owned()
 }
 
-impl Results {
-    fn compute(bench: &Bench, plan: Plan, seed: u64, progress: &dyn Progress) -> Result<Self, ReproduceError> {
-        let data_sets = super::over_data_sets(plan.data_sets, progress, |index| bench.data_set(&plan, seed, index))?;
-        let untuned = |index| Ok(untuned(&mut bench.evaluator(&scenario::log(seed, index))?));
-        let untuned = (0..plan.untuned).into_par_iter().map(untuned).collect::<Result<_, ReproduceError>>()?;
-        let oracle_gap = bench.oracle_gap(&plan, seed)?;
-        let device = super::device(&bench.free, &scenario::log(seed, 0))?;
-        Ok(Self { device, plan, seed, untuned, oracle_gap, data_sets })
-    }
-
-    fn report(&self) -> Reproduction {
-        Reproduction {
-            name: STUDY.name,
-            summary:
-                "R = M M' of a planar Kalman filter tuned on one noisy track, scored by J = the sum of |estimate - \
-                      truth| over its 50 rows. Every J of a tuned filter is in-sample unless called held-out."
-                    .to_owned(),
-            paper: STUDY.paper,
-            reduced: self.plan.reduced(),
-            seed: self.seed,
-            targets: self.targets(),
-            table: self.summary_table(),
-            tables: self.tables(),
-            findings: self.findings(),
-            readings: findings::readings(),
-            data: self.data(),
-            figures: Vec::new(),
-            device: self.device.clone(),
-            wall_s: 0.0,
-        }
-    }
-
-    /// The ratio of two numbers over all data sets.
-    fn ratios(&self, of: impl Fn(&DataSet) -> f64, to: impl Fn(&DataSet) -> f64) -> Vec<f64> {
-        self.data_sets.iter().map(|set| of(set) / to(set)).collect()
-    }
-
-    /// One number over all data sets.
-    fn each(&self, of: impl Fn(&DataSet) -> f64) -> Vec<f64> {
-        self.data_sets.iter().map(of).collect()
-    }
+fn left_out(plan: &Plan) -> String {
+    let Plan { data_sets, untuned, matrices, .. } = Bench::FULL;
+    format!(
+        "{} data sets in place of {data_sets}, {} untuned tracks in place of {untuned}, {} random M in place of \
+         {matrices}; intervals are as wide as the smaller sample needs, and counts ask for all but one.",
+        plan.data_sets, plan.untuned, plan.matrices
+    )
 }
 
 /// The problems of the study: the same filter in different boxes.
@@ -201,14 +129,39 @@ struct Bench {
     boxed: Vec<Problem>,
 }
 
-impl Bench {
+impl Protocol for Bench {
+    type Plan = Plan;
+    type DataSet = DataSet;
+    type Beside = Beside;
+
+    const FULL: Plan = Plan {
+        data_sets: 30,
+        untuned: 1000,
+        matrices: 1000,
+        local_searches: 20,
+        fresh: 40,
+        pio: pio::PUBLISHED,
+        pso: pso::CONSTRICTION,
+    };
+    const QUICK: Plan = Plan { data_sets: 10, untuned: 250, matrices: 200, ..Self::FULL };
+    const TELL: Tell<Self> = Tell {
+        summary,
+        left_out,
+        targets: Results::targets,
+        table: Results::summary_table,
+        tables: Results::tables,
+        findings: Results::findings,
+        readings: findings::READINGS,
+        data: Results::data,
+    };
+
     fn new() -> Result<Self, ReproduceError> {
         let boxed = BOXES.iter().map(|bounds| scenario::problem(*bounds)).collect::<Result<_, _>>()?;
         Ok(Self { free: scenario::problem(Bounds::Free)?, boxed })
     }
 
-    fn evaluator(&self, log: &Log) -> Result<CpuEvaluator, ReproduceError> {
-        super::evaluator(&self.free, log)
+    fn count(plan: &Plan) -> u64 {
+        plan.data_sets
     }
 
     fn data_set(&self, plan: &Plan, seed: u64, index: u64) -> Result<DataSet, ReproduceError> {
@@ -232,6 +185,27 @@ impl Bench {
         let optimum = optimum::search(&noise, plan.local_searches, seed_of(seed, index, 1))?;
         let held_out = self.held_out(&scenario::fresh(seed, index, plan.fresh), &pio, &pso)?;
         Ok(DataSet { index, untuned, pio, printed, plus, pso, sweep, boxed, optimum, held_out })
+    }
+
+    fn beside(&self, plan: &Plan, seed: u64) -> Result<Beside, ReproduceError> {
+        let untuned = |index| Ok(untuned(&mut self.evaluator(&scenario::log(seed, index))?));
+        let untuned = (0..plan.untuned).into_par_iter().map(untuned).collect::<Result<_, ReproduceError>>()?;
+        Ok(Beside { untuned, oracle_gap: self.oracle_gap(plan, seed)? })
+    }
+
+    fn device(&self, seed: u64) -> Result<Device, ReproduceError> {
+        super::device(&self.free, &scenario::log(seed, 0))
+    }
+
+    fn pictures(&self, results: &Results) -> Result<(Vec<Figure>, Vec<Table>), ReproduceError> {
+        let Some(shown) = results.shown(self)? else { return Ok(Default::default()) };
+        Ok((shown.figures()?, vec![shown.table()]))
+    }
+}
+
+impl Bench {
+    fn evaluator(&self, log: &Log) -> Result<CpuEvaluator, ReproduceError> {
+        super::evaluator(&self.free, log)
     }
 
     fn held_out(&self, fresh: &Log, pio: &Run, pso: &Run) -> Result<HeldOut, ReproduceError> {

@@ -3,7 +3,7 @@
 use super::super::Silent;
 use super::*;
 
-const TINY: Plan = Plan { data_sets: 3, untuned: 40, matrices: 20, local_searches: 6, fresh: 4, ..Plan::FULL };
+const TINY: Plan = Plan { data_sets: 3, untuned: 40, matrices: 20, local_searches: 6, fresh: 4, ..Bench::FULL };
 
 fn bench() -> Bench {
     Bench::new().unwrap()
@@ -17,7 +17,7 @@ fn missed(plan: Plan) -> Vec<String> {
 #[test]
 fn tiny_study_reaches_its_targets_and_reports() {
     let results = Results::compute(&bench(), TINY, 1, &Silent).unwrap();
-    let report = results.report();
+    let report = results.report(&STUDY);
     assert!(report.passes(), "{report}");
     assert!(report.reduced.as_deref().is_some_and(|note| note.starts_with("3 data sets in place of 30")), "{report}");
     for table in std::iter::once(&report.table).chain(&report.tables).chain(&report.data) {

@@ -1,11 +1,12 @@
 //! Pictures like the paper's Figs 2 to 6, of the first data set. Its Regular is the run whose RMSE is nearest to 7.40,
 //! that of the paper's run 22.
 
-use super::super::{Cell, Figure, ReproduceError, Table};
+use super::super::columns::Columns;
+use super::super::{Figure, ReproduceError, Table};
 use super::ends::{self, Point};
 use super::paths::Path;
 use super::{Bench, DataSet, Results, Run, scenario};
-use crate::data::{Log, Trajectory};
+use crate::data::Trajectory;
 use crate::report::figures::{Axis, Colour, Dash, Figure as Picture, FigureError, Marker, Panel, Stroke};
 use crate::report::significant;
 
@@ -49,22 +50,14 @@ impl Results {
             ends::curve(&mut evaluator, [r, r], 2).pop()
         };
         let (Some(first), Some(second)) = (end(0), end(1)) else { return Ok(None) };
-        Ok(Some(Shown {
-            set,
-            run,
-            curve,
-            ends: [first, second],
-            moma: bench.shown("MOMA", &log, run.found.r, (run.rmse, set.index))?,
-            regular: bench.shown("Regular", &log, set.starts[j], (set.regular[j], set.index))?,
-            track: log.trajectories.swap_remove(0),
-        }))
-    }
-}
-
-impl Bench {
-    fn shown(&self, name: &str, log: &Log, r: f64, (rmse, set): (f64, u64)) -> Result<Followed, ReproduceError> {
-        let label = format!("{name} (R = {}, RMSE {})", significant(r, 3), significant(rmse, 3));
-        Ok(Followed { label, path: self.path(log, r, set)? })
+        let follow = |name: &str, r: f64, rmse: f64| -> Result<Followed, ReproduceError> {
+            let label = format!("{name} (R = {}, RMSE {})", significant(r, 3), significant(rmse, 3));
+            Ok(Followed { label, path: bench.path(&log, r, set.index)? })
+        };
+        let (moma, regular) =
+            (follow("MOMA", run.found.r, run.rmse)?, follow("Regular", set.starts[j], set.regular[j])?);
+        let track = log.trajectories.swap_remove(0);
+        Ok(Some(Shown { set, run, track, curve, ends: [first, second], moma, regular }))
     }
 }
 
@@ -77,8 +70,8 @@ impl Shown<'_> {
     /// The pictures.
     pub(super) fn figures(&self) -> Result<Vec<Figure>, FigureError> {
         let mut figures = vec![self.front()?, self.error()?];
-        for (i, (number, name, unit)) in STATES.into_iter().enumerate() {
-            figures.push(self.state(i, number, (name, unit))?);
+        for i in 0..STATES.len() {
+            figures.push(self.state(i)?);
         }
         Ok(figures)
     }
@@ -102,7 +95,8 @@ impl Shown<'_> {
             .points(&end_label("least f1", &self.ends[0]), (Marker::Triangle, Colour::Red), at(&self.ends[0]))
             .points(&end_label("least f2", &self.ends[1]), (Marker::Diamond, Colour::Black), at(&self.ends[1]));
         let title = format!("Front of a MOMA run (data set {}, paper-like operators)", self.set.index);
-        self.figure("fig2-front", title, "As the paper's Fig. 2: the last population, and the curve it lies on.", panel)
+        let caption = "As the paper's Fig. 2: the last population, and the curve it lies on.";
+        Figure::of("fig2-front", caption, &Picture::new(title).size(760.0, 300.0).panel(panel))
     }
 
     /// Fig. 3: error of all three states.
@@ -112,11 +106,13 @@ impl Shown<'_> {
             .line(&self.regular.label, Stroke::dashed(Colour::Red, Dash::Dashed), errors(&self.regular))
             .line(&self.moma.label, Stroke::new(Colour::Blue), errors(&self.moma));
         let title = format!("Filter error (data set {})", self.set.index);
-        self.figure("fig3-error", title, "As the paper's Fig. 3: error of the filter against k.", panel)
+        let caption = "As the paper's Fig. 3: error of the filter against k.";
+        Figure::of("fig3-error", caption, &Picture::new(title).size(760.0, 300.0).panel(panel))
     }
 
     /// Figs 4 to 6: truth and estimates of one state, above their difference.
-    fn state(&self, i: usize, number: u32, (name, unit): (&str, &str)) -> Result<Figure, FigureError> {
+    fn state(&self, i: usize) -> Result<Figure, FigureError> {
+        let (number, name, unit) = STATES[i];
         let truth = |k: usize| self.track.truth.row(k)[i];
         let values = |shown: &Followed| by_step(shown.path.states.iter().map(|x| x[i]));
         let errors = |shown: &Followed| by_step(shown.path.states.iter().enumerate().map(|(k, x)| x[i] - truth(k)));
@@ -130,44 +126,27 @@ impl Shown<'_> {
             .line(&self.regular.label, regular, errors(&self.regular))
             .line(&self.moma.label, moma, errors(&self.moma));
         let title = format!("{}{} (data set {})", name[..1].to_uppercase(), &name[1..], self.set.index);
-        let svg = Picture::new(title).size(760.0, 200.0).panel(value).panel(error).to_svg()?;
         let caption = format!("As the paper's Fig. {number}: {name} against k, and its error.");
-        Ok(Figure { name: format!("fig{number}-{name}"), caption, svg })
-    }
-
-    fn figure(&self, name: &str, title: String, caption: &str, panel: Panel) -> Result<Figure, FigureError> {
-        let svg = Picture::new(title).size(760.0, 300.0).panel(panel).to_svg()?;
-        Ok(Figure { name: name.to_owned(), caption: caption.to_owned(), svg })
+        let picture = Picture::new(title).size(760.0, 200.0).panel(value).panel(error);
+        Figure::of(format!("fig{number}-{name}"), caption, &picture)
     }
 
     /// The numbers of the figures.
     pub(super) fn tables(&self) -> Vec<Table> {
-        let mut front = Table::new("front", "Last population of the run shown", &["f1", "f2"]);
-        front.rows = self.run.found.population.iter().map(|f| f.map(|x| Cell::Number(x, 6)).to_vec()).collect();
-        let mut curve = Table::new("curve", "Objectives by R", &["R", "f1", "f2"]);
-        curve.rows = self.curve.iter().map(|p| [p.r, p.f[0], p.f[1]].map(|x| Cell::Number(x, 6)).to_vec()).collect();
-        let columns = [
-            "k",
-            "true_d",
-            "true_v",
-            "true_a",
-            "regular_d",
-            "regular_v",
-            "regular_a",
-            "moma_d",
-            "moma_v",
-            "moma_a",
-            "regular_error",
-            "moma_error",
-        ];
-        let mut track = Table::new("tracks", "Truth and estimates of the run shown", &columns);
-        for k in 0..self.track.len() {
-            let (regular, moma) = (&self.regular.path, &self.moma.path);
-            let states = self.track.truth.row(k).iter().chain(&regular.states[k]).chain(&moma.states[k]);
-            let numbers = states.copied().chain([regular.errors[k], moma.errors[k]]).map(|x| Cell::Number(x, 6));
-            track.rows.push(std::iter::once(Cell::Count(k as u64)).chain(numbers).collect());
-        }
-        vec![front, curve, track]
+        let front = Columns::new().numbers(["f1", "f2"], 6, |f: &[f64; 2]| *f);
+        let curve = Columns::new().number("R", 6, |p: &Point| p.r).numbers(["f1", "f2"], 6, |p| p.f);
+        let (regular, moma) = (&self.regular.path, &self.moma.path);
+        let track = Columns::new()
+            .count("k", |k: &usize| *k as u64)
+            .numbers(["true_d", "true_v", "true_a"], 6, |k| std::array::from_fn(|i| self.track.truth.row(*k)[i]))
+            .numbers(["regular_d", "regular_v", "regular_a"], 6, |k| regular.states[*k])
+            .numbers(["moma_d", "moma_v", "moma_a"], 6, |k| moma.states[*k])
+            .numbers(["regular_error", "moma_error"], 6, |k| [regular.errors[*k], moma.errors[*k]]);
+        vec![
+            front.table("front", "Last population of the run shown", self.run.found.population.iter().copied()),
+            curve.table("curve", "Objectives by R", self.curve.iter().copied()),
+            track.table("tracks", "Truth and estimates of the run shown", 0..self.track.len()),
+        ]
     }
 }
 

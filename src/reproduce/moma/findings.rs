@@ -63,25 +63,21 @@ impl Results {
 }
 
 /// What the paper leaves open.
-pub(super) fn readings() -> Vec<String> {
-    [
-        "RMSE counts k = 0..200 and all three states. Without k = 0 no natural range and true R fit Table 1; with it \
+pub(super) const READINGS: &[&str] = &[
+    "RMSE counts k = 0..200 and all three states. Without k = 0 no natural range and true R fit Table 1; with it \
          true R = 3 (2.5 to 4) and R in [0.1, 45] do. Both were chosen with Table 1 in view.",
-        "f2 compares the mean of the last 100 squared innovations with S of the last step. With the first M, or all \
+    "f2 compares the mean of the last 100 squared innovations with S of the last step. With the first M, or all \
          of them, its optimum stands at the upper bound.",
-        "The answer of a run is the first individual of the sorted population, so one of the two infinite-crowding \
+    "The answer of a run is the first individual of the sorted population, so one of the two infinite-crowding \
          ends.",
-        "Annealing starts at T = 1e6 and cools to 4.3e5 in eight proposals: the temperature decides nothing, and a \
+    "Annealing starts at T = 1e6 and cools to 4.3e5 in eight proposals: the temperature decides nothing, and a \
          proposal is accepted if f1 falls. Algorithm 4, line 8 prints x <- x where x' is meant; the size of a step \
          (5 % of the range) is ours. Algorithm 3, line 8 prints parents and offspring as what is merged: the profile \
          P+O does so.",
-        "Neither mutation rate nor eta are given: 0.01 (paper-like) and 1/m (standard), eta = 20.",
-        "Sage-Husa and Fuzzy are not defined in the paper. Textbook Sage-Husa of R diverges here; the positive form \
+    "Neither mutation rate nor eta are given: 0.01 (paper-like) and 1/m (standard), eta = 20.",
+    "Sage-Husa and Fuzzy are not defined in the paper. Textbook Sage-Husa of R diverges here; the positive form \
          for Q is run. The fuzzy rule base is ours.",
-        "Not recoverable, so not targets: four-digit RMSE, 25 of 30, and the Sage-Husa column. The paper reports one \
+    "Not recoverable, so not targets: four-digit RMSE, 25 of 30, and the Sage-Husa column. The paper reports one \
          data set with 30 seeds; its table says nothing about other data. What is said here of other readings was \
          found by an earlier, independent program.",
-    ]
-    .map(str::to_owned)
-    .to_vec()
-}
+];

@@ -14,7 +14,8 @@ mod search;
 mod tables;
 mod targets;
 
-use super::{Options, Progress, PublishedStudy, ReproduceError, Reproduction, seed_of};
+use super::protocol::{self, Protocol, Tell, seed_of};
+use super::{Figure, PublishedStudy, ReproduceError, Table};
 use crate::data::Log;
 use crate::evaluate::{CpuEvaluator, Device, Population};
 use crate::model::Problem;
@@ -29,7 +30,7 @@ pub(super) const STUDY: PublishedStudy = PublishedStudy {
     about: "measurement noise of a rocket's filter by a multi-objective memetic algorithm, against adaptive filters",
     paper: "Huo, Cai, Liu, Gong: The Parameter Optimization of Kalman Filter Based on Multi-Objective Memetic \
             Algorithm, GECCO 2014, doi 10.1145/2576768.2598242",
-    run,
+    run: protocol::run::<Bench>,
 };
 
 /// A set of genetic operators that both methods use.
@@ -60,27 +61,6 @@ struct Plan {
     fronts: u64,
     /// Paper-like, standard, printed.
     profiles: [Profile; 3],
-}
-
-impl Plan {
-    const FULL: Self = Self { data_sets: 20, runs: 30, fronts: 1000, profiles: [PAPER_LIKE, STANDARD, PRINTED] };
-
-    const QUICK: Self = Self { data_sets: 6, fronts: 200, ..Self::FULL };
-
-    /// What this plan leaves out of the full one, in words.
-    fn reduced(&self) -> Option<String> {
-        (self.data_sets < Self::FULL.data_sets).then(|| {
-            format!(
-                "{} data sets in place of {}, {} random fronts in place of {}; limits on means are wider by twice \
-                 what the smaller sample adds to their standard error, counts ask for all but one, and what six data \
-                 sets cannot show is printed, not gated.",
-                self.data_sets,
-                Self::FULL.data_sets,
-                self.fronts,
-                Self::FULL.fronts
-            )
-        })
-    }
 }
 
 /// A run with the RMSE of its answer.
@@ -118,67 +98,26 @@ struct DataSet {
 /// R0 of the untuned filter whose convergence Fig. 3 is about.
 const LARGE: f64 = 43.0;
 
-/// All that targets, tables and figures are made from.
-#[derive(Debug)]
-struct Results {
-    plan: Plan,
-    seed: u64,
-    /// Random fronts on which ranks and crowding distances are those of their definitions.
-    agreements: u64,
-    data_sets: Vec<DataSet>,
-    device: Device,
+type Results = protocol::Results<Bench>;
+
+fn summary(results: &Results) -> String {
+    let Plan { data_sets, runs, .. } = results.plan;
+    format!(
+        "R of a three-state Kalman filter of a rocket tuned by NSGA-II and MOMA over (f1, f2), {} evaluations a run, on \
+         {data_sets} data sets of {runs} runs each; the paper has one data set. RMSE is measured against the truth, which \
+         no search sees.",
+        search::BUDGET
+    )
 }
 
-fn run(options: &Options, progress: &dyn Progress) -> Result<Reproduction, ReproduceError> {
-    let bench = Bench::new()?;
-    let plan = if options.quick { Plan::QUICK } else { Plan::FULL };
-    let results = Results::compute(&bench, plan, options.seed, progress)?;
-    let mut report = results.report();
-    if let Some(shown) = results.shown(&bench)? {
-        report.figures = shown.figures()?;
-        report.data.extend(shown.tables());
-    }
-    Ok(report)
-}
-
-impl Results {
-    fn compute(bench: &Bench, plan: Plan, seed: u64, progress: &dyn Progress) -> Result<Self, ReproduceError> {
-        let data_sets = super::over_data_sets(plan.data_sets, progress, |index| bench.data_set(&plan, seed, index))?;
-        let agreements = brute_force::agreements(seed, plan.fronts);
-        let device = super::device(&bench.both, &scenario::log(&bench.both, seed, 0)?)?;
-        Ok(Self { device, plan, seed, agreements, data_sets })
-    }
-
-    fn report(&self) -> Reproduction {
-        Reproduction {
-            name: STUDY.name,
-            summary: format!(
-                "R of a three-state Kalman filter of a rocket tuned by NSGA-II and MOMA over (f1, f2), {} \
-                 evaluations a run, on {} data sets of {} runs each; the paper has one data set. RMSE is measured \
-                 against the truth, which no search sees.",
-                search::BUDGET,
-                self.plan.data_sets,
-                self.plan.runs
-            ),
-            paper: STUDY.paper,
-            reduced: self.plan.reduced(),
-            seed: self.seed,
-            targets: self.targets(),
-            table: self.summary_table(),
-            tables: self.tables(),
-            findings: self.findings(),
-            readings: findings::readings(),
-            data: self.data(),
-            figures: Vec::new(),
-            device: self.device.clone(),
-            wall_s: 0.0,
-        }
-    }
-
-    /// One number over all data sets.
-    fn each(&self, of: impl Fn(&DataSet) -> f64) -> Vec<f64> {
-        self.data_sets.iter().map(of).collect()
-    }
+fn left_out(plan: &Plan) -> String {
+    let Plan { data_sets, fronts, .. } = Bench::FULL;
+    format!(
+        "{} data sets in place of {data_sets}, {} random fronts in place of {fronts}; limits on means are wider by twice \
+         what the smaller sample adds to their standard error, counts ask for all but one, and what six data sets cannot \
+         show is printed, not gated.",
+        plan.data_sets, plan.fronts
+    )
 }
 
 /// RMSE of some runs.
@@ -194,7 +133,25 @@ struct Bench {
     fuzzy: Problem,
 }
 
-impl Bench {
+impl Protocol for Bench {
+    type Plan = Plan;
+    type DataSet = DataSet;
+    /// Random fronts on which ranks and crowding distances are those of their definitions.
+    type Beside = u64;
+
+    const FULL: Plan = Plan { data_sets: 20, runs: 30, fronts: 1000, profiles: [PAPER_LIKE, STANDARD, PRINTED] };
+    const QUICK: Plan = Plan { data_sets: 6, fronts: 200, ..Self::FULL };
+    const TELL: Tell<Self> = Tell {
+        summary,
+        left_out,
+        targets: Results::targets,
+        table: Results::summary_table,
+        tables: Results::tables,
+        findings: Results::findings,
+        readings: findings::READINGS,
+        data: Results::data,
+    };
+
     fn new() -> Result<Self, ReproduceError> {
         Ok(Self {
             both: scenario::problem(Filter::Regular, Scores::Both)?,
@@ -202,6 +159,10 @@ impl Bench {
             sage_husa: scenario::problem(Filter::SageHusa, Scores::Rmse)?,
             fuzzy: scenario::problem(Filter::Fuzzy, Scores::Rmse)?,
         })
+    }
+
+    fn count(plan: &Plan) -> u64 {
+        plan.data_sets
     }
 
     fn data_set(&self, plan: &Plan, seed: u64, index: u64) -> Result<DataSet, ReproduceError> {
@@ -236,6 +197,21 @@ impl Bench {
         })
     }
 
+    fn beside(&self, plan: &Plan, seed: u64) -> Result<u64, ReproduceError> {
+        Ok(brute_force::agreements(seed, plan.fronts))
+    }
+
+    fn device(&self, seed: u64) -> Result<Device, ReproduceError> {
+        super::device(&self.both, &scenario::log(&self.both, seed, 0)?)
+    }
+
+    fn pictures(&self, results: &Results) -> Result<(Vec<Figure>, Vec<Table>), ReproduceError> {
+        let Some(shown) = results.shown(self)? else { return Ok(Default::default()) };
+        Ok((shown.figures()?, shown.tables()))
+    }
+}
+
+impl Bench {
     fn path(&self, log: &Log, r: f64, index: u64) -> Result<Path, ReproduceError> {
         Path::of(&self.regular, log, r).map_err(|failure| ReproduceError::Filter {
             what: format!("the filter with R = {r}"),

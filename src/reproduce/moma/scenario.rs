@@ -1,6 +1,7 @@
 //! The rocket, its filter and the data sets.
 
-use super::super::{ReproduceError, seed_of};
+use super::super::ReproduceError;
+use super::super::protocol::seed_of;
 use crate::data::Log;
 use crate::model::Problem;
 use crate::random::{Purpose, Stream};

@@ -1,9 +1,10 @@
 //! What the study must reach. The numbers were set from an independent program before this one ran.
 
+use super::super::protocol::Protocol as _;
 use super::super::statistics::{count, mean, median};
 use super::super::{Required, Target};
 use super::search::Found;
-use super::{DataSet, Plan, Results, Run, rmse};
+use super::{Bench, DataSet, Results, Run, rmse};
 
 /// RMSE closer than this is equal, when the smallest of five is sought.
 const TIE: f64 = 1e-4;
@@ -69,19 +70,10 @@ impl Results {
         targets
     }
 
-    const fn is_full(&self) -> bool {
-        self.plan.data_sets >= Plan::FULL.data_sets
-    }
-
-    /// `of_twenty` data sets of the full study, all but one of a smaller one.
-    fn required_count(&self, of_twenty: f64) -> Required {
-        Required::AtLeast(if self.is_full() { of_twenty } else { self.data_sets.len() as f64 - 1.0 })
-    }
-
     /// What a smaller sample adds to two standard errors of a mean with this spread.
     fn growth(&self, spread: f64) -> f64 {
         let error = |sets: u64| 2.0 * spread / (sets as f64).sqrt();
-        (error(self.plan.data_sets) - error(Plan::FULL.data_sets)).max(0.0)
+        (error(self.plan.data_sets) - error(Bench::FULL.data_sets)).max(0.0)
     }
 
     fn exact_targets(&self) -> Vec<Target> {
@@ -97,7 +89,7 @@ impl Results {
             Target::new(
                 "random fronts with the ranks and crowding distances of their definitions",
                 Required::Exactly(self.plan.fronts),
-                self.agreements as f64,
+                self.beside as f64,
             ),
         ]
     }
@@ -158,7 +150,7 @@ impl Results {
         let least = smallest.iter().copied().fold(f64::INFINITY, f64::min);
         let name = format!("paper-like: data sets of {} with mean(NSGA-II) >= mean(MOMA)", leads.len());
         vec![
-            Target::new(name, self.required_count(17.0), count(&leads, |lead| lead >= 0.0)),
+            Target::new(name, self.agreeing(17), count(&leads, |lead| lead >= 0.0)),
             Target::new("paper-like: least smallest-of-five wins of MOMA in 30 runs", Required::AtLeast(12.0), least),
             Target::new(
                 "paper-like: median smallest-of-five wins of MOMA in 30 runs",
@@ -187,12 +179,12 @@ impl Results {
         vec![
             Target::new(
                 format!("data sets of {n} where the f1-end's error stays < 10 from k <= 3"),
-                self.required_count(18.0),
+                self.agreeing(18),
                 count(&settled(0), |k| k <= 3.0),
             ),
             Target::new(
                 format!("data sets of {n} where the error with R = 43 stays < 10 from k >= 7 only"),
-                self.required_count(18.0),
+                self.agreeing(18),
                 count(&settled(1), |k| k >= 7.0),
             ),
         ]

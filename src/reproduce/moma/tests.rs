@@ -3,7 +3,7 @@
 use super::super::Silent;
 use super::*;
 
-const TINY: Plan = Plan { data_sets: 2, runs: 6, fronts: 20, ..Plan::FULL };
+const TINY: Plan = Plan { data_sets: 2, runs: 6, fronts: 20, ..Bench::FULL };
 
 fn compute(plan: Plan, seed: u64) -> Results {
     Results::compute(&Bench::new().unwrap(), plan, seed, &Silent).unwrap()
@@ -16,7 +16,7 @@ fn missed(plan: Plan) -> Vec<String> {
 #[test]
 fn tiny_study_reports() {
     let results = compute(TINY, 1);
-    let report = results.report();
+    let report = results.report(&STUDY);
     assert!(report.reduced.as_deref().is_some_and(|note| note.starts_with("2 data sets in place of 20")), "{report}");
     for table in std::iter::once(&report.table).chain(&report.tables).chain(&report.data) {
         assert!(!table.rows.is_empty(), "{}", table.name);

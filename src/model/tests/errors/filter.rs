@@ -1,61 +1,7 @@
 //! The `[filter]` table.
 
-use super::{SOUND, check, error};
+use super::{SOUND, error};
 use crate::model::{Adapts, FilterKind, Fuzzy, Problem};
-
-#[test]
-fn kinds_and_settings() {
-    check(&[
-        (
-            "\"kalman\"",
-            "\"sage-hussa\"",
-            "\"sage-hussa\"",
-            "23:8: `filter.kind` names the filter `sage-hussa`, which does not exist: did you mean `sage-husa`? (known: `kalman`, `sage-husa`, `sage-husa-r`, `fuzzy`)",
-        ),
-        (
-            "\"kalman\"",
-            "\"sage-husa\"\nforgeting = 0.9",
-            "forgeting",
-            "24:1: unknown key `forgeting` in [filter]: did you mean `forgetting`? (known: `kind`, `forgetting`)",
-        ),
-        (
-            "\"kalman\"",
-            "\"sage-husa\"\nforgetting = 1.5",
-            "1.5",
-            "24:14: `filter.forgetting` is 1.5: expected a number above 0, up to 1 at the start values",
-        ),
-        (
-            "\"kalman\"",
-            "\"sage-husa-r\"\nfloor = \"v\"",
-            "v",
-            "24:10: the state `v` cannot stand in filter.floor, which may use parameters",
-        ),
-        (
-            "\"kalman\"",
-            "\"fuzzy\"\nwindow = 0",
-            "0",
-            "24:10: `filter.window` is 0: expected a whole number from 1 to 128",
-        ),
-        (
-            "\"kalman\"",
-            "\"fuzzy\"\nwindow = \"q\"",
-            "\"q\"",
-            "24:10: `filter.window`: expected a whole number, found the string \"q\"",
-        ),
-        (
-            "\"kalman\"",
-            "\"fuzzy\"\ngain = \"q\"",
-            "\"q\"",
-            "24:8: `filter.gain` is 1: expected a number from 0 to below 1 at the start values",
-        ),
-        (
-            "\"kalman\"",
-            "\"kalman\"\nforgetting = 0.9",
-            "forgetting",
-            "24:1: unknown key `forgetting` in [filter] (known: `kind`)",
-        ),
-    ]);
-}
 
 #[test]
 fn what_adapts_r_needs_a_diagonal_one() {

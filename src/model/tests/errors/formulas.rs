@@ -1,76 +1,6 @@
 //! Formulas and built-in models.
 
-use super::{SOUND, broken, check, error};
-
-#[test]
-fn formulas() {
-    check(&[
-        (
-            "\"v + u*dt\"",
-            "\"v + u*dtt\"",
-            "dtt",
-            "10:38: unknown name `dtt`: did you mean `dt`? (known: `p`, `v`, `q`, `r`, `u`, `dt`, `pi`)",
-        ),
-        ("\"v + u*dt\"", "\"v + (u*dt\"", "\"", "10:41: a formula stops short: expected `)` or an operator"),
-        ("\"v + u*dt\"", "'v + u**dt'", "*", "10:38: a formula has `*` where a number, a name or `(` was expected"),
-        (
-            "\"v + u*dt\"",
-            "\"\"\"\nv + w\"\"\"",
-            "w",
-            "11:5: unknown name `w` (known: `p`, `v`, `q`, `r`, `u`, `dt`, `pi`)",
-        ),
-        (
-            "\"v + u*dt\"",
-            "\"v +\\tw\"",
-            "\"v +\\tw\"",
-            "10:31: unknown name `w` (known: `p`, `v`, `q`, `r`, `u`, `dt`, `pi`)",
-        ),
-        (
-            "\"v + u*dt\"",
-            "\"v + u*dt*cos(p)\"",
-            "cos(p)",
-            "10:41: `cos(p)` is not linear in the states, and the kalman filter needs model.f[2] to be linear (sums of states times parameters, inputs and dt; other filters come later)",
-        ),
-        (
-            "\"v + u*dt\"",
-            "\"v + (p*v)\"",
-            "(p*v)",
-            "10:36: `(p*v)` is not linear in the states, and the kalman filter needs model.f[2] to be linear (sums of states times parameters, inputs and dt; other filters come later)",
-        ),
-        (
-            "h = [\"p\"]",
-            "h = [\"p*dt\"]",
-            "dt",
-            "11:9: the interval `dt` cannot stand in model.h[1], which may use states, inputs and parameters",
-        ),
-        (
-            "\"q*dt\"",
-            "\"q*v\"",
-            "v",
-            "12:39: the state `v` cannot stand in model.Q[2][2], which may use parameters and dt",
-        ),
-        (
-            "x0 = [0, 0]",
-            "x0 = [0, \"u\"]",
-            "u",
-            "14:11: the input `u` cannot stand in model.x0[2], which may use parameters",
-        ),
-        (
-            "x0 = [0, 0]",
-            "x0 = [0, true]",
-            "true",
-            "14:10: `model.x0[2]`: expected a number or a formula in quotes, found true",
-        ),
-        ("x0 = [0, 0]", "x0 = [0]", "[0]", "14:6: `model.x0` has 1 entry: expected 2, one per state (p, v)"),
-        ("x0 = [0, 0]", "x0 = [0, inf]", "inf", "14:10: `model.x0[2]` is inf: expected a finite number"),
-        (
-            "h = [\"p\"]",
-            "h = [\"p\", \"v\"]",
-            "[\"p\", \"v\"]",
-            "11:5: `model.h` has 2 entries: expected 1, one per measurement (z)",
-        ),
-    ]);
-}
+use super::{SOUND, broken, error};
 
 #[test]
 fn absurd_formulas() {
@@ -131,4 +61,12 @@ fn built_in_models() {
         let first = error(&text(model)).to_string();
         assert!(first.starts_with(&format!("p.toml:{message}")), "{first}");
     }
+}
+
+#[test]
+fn a_step_before_the_first_row_and_a_measured_start_exclude_each_other() {
+    let text = SOUND.replace("inputs = [\"u\"]\n", "").replace("+ 0.5*u*dt^2", "").replace("+ u*dt", "");
+    let text = text.replace("x0 = [0, 0]", "x0 = \"measurement\"").replace("\"update\"", "\"predict\"");
+    let first = error(&text).to_string();
+    assert!(first.contains("15:9: `model.first`: \"predict\" cannot go with x0 = \"measurement\""), "{first}");
 }

@@ -1,6 +1,5 @@
 //! Every mistake in a problem file gets one sentence, its exact position and a caret run.
 
-mod covariances;
 mod file;
 mod filter;
 mod formulas;
@@ -59,16 +58,52 @@ fn broken(old: &str, new: &str) -> (String, String) {
     (error.to_string().lines().next().unwrap().to_owned(), under)
 }
 
-/// Each case: what is replaced, by what, the text under the carets, and the whole sentence.
-fn check(cases: &[(&str, &str, &str, &str)]) {
-    let wrong = cases.iter().filter_map(|(old, new, under, message)| {
-        let (sentence, found) = broken(old, new);
-        let expected = format!("p.toml:{message}");
-        (sentence != expected || found != *under)
-            .then(|| format!("{new}\n  {sentence} | {found}\n  {expected} | {under}"))
+/// A line of the table: what is replaced, by what, the text under the carets, and the whole sentence.
+struct Case {
+    old: String,
+    new: String,
+    under: &'static str,
+    sentence: &'static str,
+}
+
+/// The cases of `cases.txt`, whose first lines say how it is written.
+fn cases() -> Vec<Case> {
+    let (mut cases, mut under) = (Vec::new(), "");
+    let (mut old, mut new) = (Vec::new(), Vec::new());
+    let mut begins = true;
+    for line in include_str!("cases.txt").lines().filter(|line| !line.is_empty() && !line.starts_with('#')) {
+        let rest = line[1..].strip_prefix(' ').unwrap_or(&line[1..]);
+        match &line[..1] {
+            "-" => {
+                if begins {
+                    old.clear();
+                }
+                old.push(rest);
+            }
+            "+" => new.push(rest),
+            "^" => under = rest,
+            _ => cases.push(Case {
+                old: old.join("\n"),
+                new: std::mem::take(&mut new).join("\n"),
+                under,
+                sentence: line,
+            }),
+        }
+        begins = line.starts_with(|first: char| first.is_ascii_digit());
+    }
+    cases
+}
+
+#[test]
+fn every_mistake_is_said_where_it_is() {
+    let wrong = cases().into_iter().filter_map(|Case { old, new, under, sentence }| {
+        let (said, found) = broken(&old, &new);
+        let expected = format!("p.toml:{sentence}");
+        (said != expected || found != under).then(|| format!("{new}\n  {said} | {found}\n  {expected} | {under}"))
     });
     let wrong: Vec<String> = wrong.collect();
     assert!(wrong.is_empty(), "change, error, expected:\n{}", wrong.join("\n"));
+    assert!(cases().len() >= 115, "the table is read whole: {}", cases().len());
 }
 
 #[test]

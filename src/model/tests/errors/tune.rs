@@ -1,6 +1,6 @@
 //! The `[filter]`, `[tune]` and `[simulate]` tables.
 
-use super::{SOUND, check, error};
+use super::{SOUND, broken, error};
 use crate::model::Problem;
 use crate::optimize::ALGORITHMS;
 
@@ -8,70 +8,14 @@ use crate::optimize::ALGORITHMS;
 fn an_unknown_algorithm_is_answered_with_the_registry() {
     let known: Vec<String> = ALGORITHMS.iter().map(|row| format!("`{}`", row.name)).collect();
     let sentence = format!(
-        "26:13: `tune.algorithm` names the algorithm `psoo`, which does not exist: did you mean `pso`? (known: {})",
+        "p.toml:26:13: `tune.algorithm` names the algorithm `psoo`, which does not exist: did you mean `pso`? (known: {})",
         known.join(", ")
     );
-    check(&[("\"pso\"", "\"psoo\"", "\"psoo\"", &sentence)]);
+    assert_eq!(broken("\"pso\"", "\"psoo\""), (sentence, "\"psoo\"".to_owned()));
 }
 
 #[test]
-fn tuning() {
-    check(&[
-        (
-            "\"kalman\"",
-            "\"extended\"",
-            "\"extended\"",
-            "23:8: `filter.kind` names the filter `extended`, which does not exist (known: `kalman`, `sage-husa`, `sage-husa-r`, `fuzzy`)",
-        ),
-        (
-            "[\"nll\"]",
-            "[\"nil\"]",
-            "\"nil\"",
-            "27:15: `tune.objectives[1]` names the objective `nil`, which does not exist: did you mean `nis`? (known: `nll`, `mse_innovation`, `mismatch`, `nis`, `nees`, `rmse`, `distance`)",
-        ),
-        (
-            "[\"nll\"]",
-            "[]",
-            "[]",
-            "27:14: `tune.objectives` has 0 entries: expected at least one objective, such as [\"nll\"]",
-        ),
-        (
-            "[\"nll\"]",
-            "[\"nll\", { name = \"nll\", skip = 1 }]",
-            "{ name = \"nll\", skip = 1 }",
-            "27:22: `tune.objectives[2]`: the objective `nll` is listed twice",
-        ),
-        (
-            "[\"nll\"]",
-            "[\"nees\"]",
-            "\"nees\"",
-            "27:15: `tune.objectives[1]`: the objective `nees` needs truth of all states, and `v` has none",
-        ),
-        (
-            "[\"nll\"]",
-            "[{ name = \"rmse\", states = [\"v\"] }]",
-            "\"v\"",
-            "27:42: `tune.objectives[1].states[1]`: the state `v` has no truth: give its column in data.truth",
-        ),
-        (
-            "[\"nll\"]",
-            "[{ name = \"nll\", window = 3 }]",
-            "3",
-            "27:40: `tune.objectives[1].window`: it does not apply to the objective `nll`: remove it",
-        ),
-        (
-            "[\"nll\"]",
-            "[{ name = \"mismatch\", ct = \"first\" }]",
-            "\"first\"",
-            "27:41: `tune.objectives[1].ct` is \"first\": expected \"mean\" or \"last\"",
-        ),
-        (
-            "[\"nll\"]",
-            "[\"nll\"]\nstop = { wall_time = 0 }",
-            "0",
-            "28:22: `tune.stop.wall_time` is 0: expected a number above 0",
-        ),
-    ]);
+fn objectives_of_truth_need_it() {
     let text = SOUND.replace("truth = { p = \"p_true\" }\n", "").replace("[\"nll\"]", "[\"distance\"]");
     let first = error(&text).to_string();
     assert!(

@@ -78,7 +78,7 @@ impl Chosen {
             return Ok(Self { evaluator, double, notices });
         }
         #[cfg(feature = "gpu")]
-        let found = on_gpu::build((problem, log, &double), compute, asked, &notices)?;
+        let found = on_gpu::build(problem, log, &double, compute, asked, &notices)?;
         #[cfg(not(feature = "gpu"))]
         let found = {
             ensure!(!asked, BUILT_WITHOUT);

@@ -111,7 +111,7 @@ impl Filter {
         let mut gathered = Gathered::new(&loaded);
         let costs = match &table {
             None => reference::visit(problem, log, &candidate, &mut |t, step| gathered.add(t, step))?,
-            Some(table) => self.write((table, console), &candidate, smoothed.as_deref(), &mut gathered)?,
+            Some(table) => self.write(table, console, &candidate, smoothed.as_deref(), &mut gathered)?,
         };
         let summary = Summary {
             parameters: Named::new(problem.parameters.names(), candidate.iter().copied()),
@@ -121,7 +121,7 @@ impl Filter {
             warnings: loaded.warnings.clone(),
         };
         if let Some(folder) = &figures {
-            pictures::write_run(folder, (problem, log), &candidate, &summary.consistency.whiteness)?;
+            pictures::write_run(folder, problem, log, &candidate, &summary.consistency.whiteness)?;
         }
         if self.json {
             files::print_json(&summary)?;
@@ -148,7 +148,8 @@ impl Filter {
     /// Runs the filter into the table; gives the objectives.
     fn write(
         &self,
-        (table, console): (&Destination, Console),
+        table: &Destination,
+        console: Console,
         candidate: &[f64],
         smoothed: Option<&[Vec<Smoothed>]>,
         gathered: &mut Gathered,

@@ -41,7 +41,9 @@ impl Output {
     pub(super) fn prepare(
         asked: Asked<'_>,
         resumed: Option<&Resumed>,
-        (problem, log, origin): (&Problem, &Log, &Origin),
+        problem: &Problem,
+        log: &Log,
+        origin: &Origin,
     ) -> anyhow::Result<Self> {
         let folder = asked.out.or_else(|| resumed?.folder()).map(OutFolder::prepare).transpose()?;
         let own = folder.as_ref().map(|folder| folder.path().join(run_files::CHECKPOINT));

@@ -145,7 +145,8 @@ pub(super) fn refuse_existing(folder: &OutFolder) -> anyhow::Result<()> {
 /// The pictures of a filter run, into a folder of their own.
 pub(super) fn write_run(
     folder: &OutFolder,
-    (problem, log): (&Problem, &Log),
+    problem: &Problem,
+    log: &Log,
     candidate: &[f64],
     whiteness: &[Whiteness],
 ) -> anyhow::Result<()> {

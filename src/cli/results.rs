@@ -16,7 +16,8 @@ use crate::study::Generation;
 /// a second signal ends the process, the numbers are there.
 pub(super) fn write(
     folder: &OutFolder,
-    (problem, origin): (&Problem, &Origin),
+    problem: &Problem,
+    origin: &Origin,
     tuning: &Tuning,
     study: &pictures::Study<'_>,
 ) -> anyhow::Result<()> {

@@ -153,10 +153,9 @@ impl Tune {
         let doubts = held_out::doubts(&problem, &split, &origin);
         doubts.iter().for_each(|doubt| console.warn(doubt));
         let asked = Asked { out: self.out.as_deref(), checkpoint: self.checkpoint.as_deref(), force: self.force };
-        let mut output = Output::prepare(asked, resumed.as_ref(), (&problem, &split.train, &origin))?;
+        let mut output = Output::prepare(asked, resumed.as_ref(), &problem, &split.train, &origin)?;
         let stop = interrupt.flag();
-        let about = (&problem, &split.train);
-        let (outcome, evaluator) = self.study(about, resumed.as_ref(), &mut output, &stop, console)?;
+        let (outcome, evaluator) = self.study(&problem, &split.train, resumed.as_ref(), &mut output, &stop, console)?;
         let (folder, stopped) = (output.folder(), Ending::Interrupted(interrupt.exit_code()));
 
         let device = evaluator.device();
@@ -172,7 +171,7 @@ impl Tune {
         let write = |folder: &OutFolder| {
             let logs = pictures::Logs { train: &split.train, held_out: held_out::judged(&split, &tuning) };
             let pictures = pictures::Study { logs, outcome: &outcome, winner, scorer: &scorer };
-            results::write(folder, (&problem, &origin), &tuning, &pictures)
+            results::write(folder, &problem, &origin, &tuning, &pictures)
         };
         // What was found is said even where the disk is full.
         let written = folder.map(write).transpose();
@@ -215,7 +214,8 @@ impl Tune {
     /// Searches until it ends or is asked to stop.
     fn study(
         &self,
-        (problem, log): (&Problem, &Log),
+        problem: &Problem,
+        log: &Log,
         resumed: Option<&Resumed>,
         output: &mut Output,
         stop: &AtomicBool,

@@ -6,6 +6,7 @@ mod device;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 
+#[doc(hidden)]
 pub mod mock;
 mod single;
 

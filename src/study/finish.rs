@@ -100,7 +100,8 @@ impl Certificate {
     pub(super) fn over(
         finalists: usize,
         pairs: &[(&Scored, &Verdict)],
-        (search, exact): (&Scored, &Verdict),
+        search: &Scored,
+        exact: &Verdict,
         bounds: Bounds<'_>,
     ) -> Self {
         let costs = || pairs.iter().flat_map(|(f, v)| f.costs.iter().zip(&v.objectives).enumerate());
@@ -133,7 +134,7 @@ pub(super) fn certify(
     let pairs: Vec<(&Scored, &Verdict)> =
         finalists.iter().zip(&verdicts).filter_map(|(f, v)| Some((f, v.as_ref()?))).collect();
     let (search, exact) = *pairs.iter().min_by(|a, b| a.1.order(b.1))?;
-    Some((search.candidate.clone(), exact.clone(), Certificate::over(finalists.len(), &pairs, (search, exact), bounds)))
+    Some((search.candidate.clone(), exact.clone(), Certificate::over(finalists.len(), &pairs, search, exact, bounds)))
 }
 
 /// By the first objective, among finalists that the constraints treat alike.

@@ -83,7 +83,7 @@ impl Split {
         let held = |t: &Trajectory| round(share * t.len() as f64);
         let what = if log.trajectories.len() > 1 { "rows (in the longest trajectory)" } else { "rows" };
         let longest = log.trajectories.iter().map(Trajectory::len).max().unwrap_or(0);
-        refuse_empty(share, (round(share * longest as f64), longest, what), &log)?;
+        refuse_empty(share, round(share * longest as f64), longest, what, &log)?;
         let from = log.trajectories.iter().map(|t| t.len() - held(t).min(t.len().saturating_sub(1))).collect();
         let train = log.with(log.trajectories.iter().zip(&from).map(|(t, from): (_, &usize)| t.first(*from)).collect());
         Ok(Self { train, held_out: Some(HeldOut { log, from, by: SplitBy::Time, share }) })
@@ -95,7 +95,7 @@ impl Split {
         if n < 2 {
             return Err(SplitError::OneTrajectory { source_name: log.source });
         }
-        refuse_empty(share, (held, n, "trajectories"), &log)?;
+        refuse_empty(share, held, n, "trajectories", &log)?;
         let is_held = |i: usize| (i + 1) * held / n > i * held / n;
         let (held, kept): (Vec<_>, Vec<_>) = all.into_iter().enumerate().partition(|(i, _)| is_held(*i));
         let part = |part: Vec<(usize, Trajectory)>| log.with(part.into_iter().map(|(_, t)| t).collect());
@@ -188,7 +188,7 @@ fn truth_columns(problem: &Problem, log: &Log, objective: &Objective) -> Option<
     }
 }
 
-fn refuse_empty(share: f64, (held, count, what): (usize, usize, &'static str), log: &Log) -> Result<(), SplitError> {
+fn refuse_empty(share: f64, held: usize, count: usize, what: &'static str, log: &Log) -> Result<(), SplitError> {
     let source_name = log.source.clone();
     match held {
         0 => Err(SplitError::NothingHeldOut { share, count, what, source_name }),

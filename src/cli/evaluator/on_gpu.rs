@@ -14,7 +14,9 @@ use crate::model::Problem;
 /// # Errors
 /// If a GPU was `asked` for and there is none, or the problem cannot be traced.
 pub(super) fn build(
-    traced: (&Problem, &Log, &Program),
+    problem: &Problem,
+    log: &Log,
+    double: &Program,
     compute: &Compute,
     asked: bool,
     notices: &Notices,
@@ -23,7 +25,7 @@ pub(super) fn build(
     if !asked && compute.precision == PrecisionChoice::F64 {
         return Ok(None);
     }
-    match stderr::without_desktop(|| open(traced, compute)) {
+    match stderr::without_desktop(|| open(problem, log, double, compute)) {
         Ok(mut evaluator) => {
             let later = notices.clone();
             evaluator.on_failure(move |sentence| later.warn(sentence));
@@ -51,7 +53,7 @@ pub(in crate::cli) fn has_adapter(name: &str) -> bool {
 }
 
 /// In f32 unless f64 is asked for, or the problem needs it and the choice is free.
-fn open((problem, log, double): (&Problem, &Log, &Program), compute: &Compute) -> Result<GpuEvaluator, GpuError> {
+fn open(problem: &Problem, log: &Log, double: &Program, compute: &Compute) -> Result<GpuEvaluator, GpuError> {
     let options = |precision| GpuOptions {
         precision,
         adapter: compute.adapter.clone(),

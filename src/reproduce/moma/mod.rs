@@ -177,7 +177,7 @@ impl Protocol for Bench {
         for (number, profile) in (0_u64..).zip(&plan.profiles) {
             let mut runs = |method, which: u64| -> Vec<Run> {
                 let seed_of_run = |run| seed_of(seed, index, (number * 2 + which) * plan.runs + run);
-                let search = |run| search::run((&self.both, &mut evaluator), method, profile.genetic, seed_of_run(run));
+                let search = |run| search::run(&self.both, &mut evaluator, method, profile.genetic, seed_of_run(run));
                 let found: Vec<Found> = (0..plan.runs).map(search).collect();
                 let answers: Vec<f64> = found.iter().map(|f| f.r).collect();
                 let rmse = rmse_of(&mut regular, &answers);

@@ -40,7 +40,8 @@ pub(super) struct Found {
 
 /// Runs `method` with the operators of `genetic` until the budget ends it.
 pub(super) fn run(
-    (problem, evaluator): (&Problem, &mut dyn Evaluator),
+    problem: &Problem,
+    evaluator: &mut dyn Evaluator,
     method: Method,
     genetic: nsga2::Rules,
     seed: u64,
@@ -79,7 +80,8 @@ fn drive(coordinates: &Coordinates, evaluator: &mut dyn Evaluator, optimizer: &m
     (evaluations, finished.saturating_sub(1))
 }
 
-fn found(coordinates: &Coordinates, optimizer: &Nsga2, (evaluations, generations): (u64, usize)) -> Found {
+fn found(coordinates: &Coordinates, optimizer: &Nsga2, spent: (u64, usize)) -> Found {
+    let (evaluations, generations) = spent;
     let candidates = coordinates.candidates(optimizer.population());
     let scores = optimizer.scores();
     let population = (0..scores.len()).map(|i| [scores.costs(i)[0], scores.costs(i)[1]]).collect();

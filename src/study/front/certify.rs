@@ -41,11 +41,11 @@ pub(in crate::study) fn certify(
     kept.sort_by(|a, b| a.1.objectives[0].total_cmp(&b.1.objectives[0]));
     let objectives: Vec<Vec<f64>> = kept.iter().map(|(_, verdict)| verdict.objectives.clone()).collect();
     let landmarks = Landmarks::of(&objectives, pick)?;
-    let recommended = kept[landmarks.recommended];
+    let (search, exact) = kept[landmarks.recommended];
     let certificate = Certificate {
         dropped: pairs.len() - kept.len(),
         order_held: pairs.len() == front.len() && order_held(&pairs, bounds),
-        ..Certificate::over(front.len(), &pairs, recommended, bounds)
+        ..Certificate::over(front.len(), &pairs, search, exact, bounds)
     };
     let members = kept.into_iter().map(|(m, v)| member(m, v)).collect();
     Some(Certified { members, landmarks, certificate })

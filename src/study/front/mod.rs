@@ -5,8 +5,6 @@ mod pick;
 mod prefer;
 mod prune;
 #[cfg(test)]
-mod study;
-#[cfg(test)]
 mod tests;
 
 use serde::{Deserialize, Serialize};

@@ -1,5 +1,7 @@
 //! The running front, and its certification.
 
+mod studies;
+
 use proptest::prelude::*;
 
 use super::*;

@@ -31,7 +31,7 @@ pub(super) fn put_back(winner: Polished<'_>, place: &mut Place<'_>, polish: &mut
     let same_bits = |i: usize| costs.costs(0)[0].to_bits() == costs.costs(i)[0].to_bits();
     let is_flat = |(d, i): &(&usize, usize)| place.same(&costs, 0, *i) && (by(d) > NEAR || same_bits(*i));
     let flat: Vec<usize> = moved.iter().zip(1..).filter(is_flat).map(|(d, _)| *d).collect();
-    let Some(chosen) = jointly((candidate, &start), &flat, place, polish)? else { return Ok(()) };
+    let Some(chosen) = jointly(candidate, &start, &flat, place, polish)? else { return Ok(()) };
     let restored = put(candidate, &start, &chosen);
     let Some(exact) = place.bounds.ask(place.oracle, &restored) else { return Ok(()) };
     let (old, new) = (verdict.objectives[0], exact.objectives[0]);
@@ -53,7 +53,8 @@ fn put(candidate: &[f64], start: &[f64], which: &[usize]) -> Vec<f64> {
 
 /// Of the parameters that can be put back alone, those that can be together; `None` where there is none.
 fn jointly(
-    (candidate, start): (&[f64], &[f64]),
+    candidate: &[f64],
+    start: &[f64],
     flat: &[usize],
     place: &mut Place<'_>,
     polish: &mut Polish,

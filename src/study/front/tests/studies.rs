@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use rayon::prelude::*;
 
-use super::*;
+use super::super::*;
 use crate::evaluate::{Backend, Device, Evaluator, Precision, Status};
 use crate::model::{Parameter, Parameters, Pick, Scale, Search, TuneSpec, Value};
 use crate::objective::{Constraint, Kind, Objective, Relation};

@@ -127,10 +127,12 @@
 //! ```
 
 pub mod bench;
+pub mod chart;
 pub mod data;
 pub mod evaluate;
 pub mod filter;
 pub mod model;
+mod number;
 pub mod objective;
 pub mod optimize;
 pub mod population;

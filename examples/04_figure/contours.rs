@@ -1,7 +1,7 @@
 //! The cost around the optimum, as regions of the two variances.
 
+use kfgpu::chart::{Axis, Colour, Grid, Marker, Panel};
 use kfgpu::evaluate::{CpuEvaluator, Evaluator, Population};
-use kfgpu::report::figures::{Axis, Colour, Grid, Marker, Panel};
 use kfgpu::study::{Outcome, Winner};
 
 /// Rise of the nll, half the chi-square quantile of two degrees of freedom; the share it stands for; a grey.

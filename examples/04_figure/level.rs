@@ -1,8 +1,8 @@
 //! Flow, filtered level and its band.
 
+use kfgpu::chart::{Axis, Colour, Marker, Panel, Stroke};
 use kfgpu::data::Log;
 use kfgpu::reference::Run;
-use kfgpu::report::figures::{Axis, Colour, Marker, Panel, Stroke};
 
 /// The posterior level of every year with plus and minus three of its standard deviations.
 pub(super) fn panel(log: &Log, run: &Run) -> Panel {

@@ -13,11 +13,11 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
+use kfgpu::chart::Figure;
 use kfgpu::data::Log;
 use kfgpu::evaluate::{CpuEvaluator, CpuOptions};
 use kfgpu::model::Problem;
 use kfgpu::reference;
-use kfgpu::report::figures::Figure;
 use kfgpu::study::{self, Judge, Study};
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -1,12 +1,13 @@
 //! The pictures of `tune --out` and `filter --figures`.
 
 use super::folder::OutFolder;
+use crate::chart::Figure;
 use crate::data::{HeldOut, Log, SplitBy};
 use crate::evaluate::CpuEvaluator;
 use crate::model::Problem;
 use crate::objective::Objective;
 use crate::reference;
-use crate::report::figures::{Figure, FrontPicture, RunRecord, convergence, hypervolume, landscape, titled};
+use crate::report::pictures::{FrontPicture, RunRecord, convergence, hypervolume, landscape, titled};
 use crate::report::{Picture, Rows, Tuning, Whiteness};
 use crate::study::{Outcome, Winner};
 

@@ -4,8 +4,8 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::console::Console;
 use crate::model::TuneSpec;
+use crate::number::significant;
 use crate::objective::Objective;
-use crate::report::significant;
 use crate::study::{Generation, Observer, Scored};
 
 /// A bar over generations, or nothing where nobody watches.

@@ -2,9 +2,9 @@
 
 use std::io::Write;
 
-use super::number::exact;
 use crate::data::{Log, Trajectory};
 use crate::model::Problem;
+use crate::number::exact;
 use crate::reference::{Estimate, Step};
 
 /// Which entries of the posterior covariance are written.

@@ -16,12 +16,12 @@ mod target;
 use std::num::NonZero;
 use std::time::Instant;
 
+use crate::chart::FigureError;
 use crate::data::Log;
 use crate::evaluate::{BuildError, CpuEvaluator, CpuOptions, Device, Evaluator as _, Population, Precision};
 use crate::model::{Problem, ProblemError};
 use crate::optimize::OptimizeError;
 use crate::reference::Failure;
-use crate::report::figures::FigureError;
 use crate::simulate::SimulateError;
 use crate::study::StudyError;
 

@@ -8,8 +8,8 @@ use serde::ser::{SerializeStruct as _, Serializer};
 use super::table::{Cell, Table};
 use super::target::Target;
 use crate::evaluate::Device;
-use crate::report::figures::{Figure as Picture, FigureError};
-use crate::report::seconds;
+use crate::chart::{Figure as Picture, FigureError};
+use crate::number::seconds;
 
 /// A picture of a study.
 #[derive(Debug, Clone, PartialEq, Eq)]

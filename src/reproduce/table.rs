@@ -6,7 +6,8 @@ use std::io;
 use serde::Serialize;
 use serde::ser::{SerializeMap as _, SerializeSeq as _, Serializer};
 
-use crate::report::{TextTable, exact, significant};
+use crate::number::{exact, significant};
+use crate::report::TextTable;
 
 /// One cell.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Serialize, Serializer};
 
-use crate::report::short;
+use crate::number::short;
 
 /// A limit as it was set.
 fn limit(value: f64) -> String {

@@ -8,9 +8,9 @@ mod tests;
 use nalgebra::DMatrix;
 use serde::{Serialize, Serializer};
 
-use super::number::{exact, short};
 use crate::data::Log;
 use crate::model::{Adapts, Expr, FilterKind, Problem, Symbol};
+use crate::number::{exact, short};
 use crate::reference::{self, Steady};
 use formula::Writer;
 

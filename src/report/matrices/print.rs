@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::{DIGITS, Entry, Gain, Matrices, Matrix};
-use crate::report::number::short;
+use crate::number::short;
 
 /// Rows or columns above which a matrix that is mostly zeros is printed by its other entries.
 const LARGE: usize = 6;

@@ -4,10 +4,10 @@ use super::super::columns::Columns;
 use super::super::{Figure, ReproduceError, Table};
 use super::scenario;
 use super::{Bench, DataSet, Results};
+use crate::chart::{Axis, Colour, Dash, Figure as Picture, FigureError, Marker, Panel, Stroke};
 use crate::data::Trajectory;
+use crate::number::significant;
 use crate::reference;
-use crate::report::figures::{Axis, Colour, Dash, Figure as Picture, FigureError, Marker, Panel, Stroke};
-use crate::report::significant;
 
 /// A filter's estimates along the track of one data set.
 #[derive(Debug)]

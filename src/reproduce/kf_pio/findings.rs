@@ -4,7 +4,7 @@ use super::super::statistics::{count, mean, median, standard_deviation};
 use super::oracle::{Spectrum, expected_untuned};
 use super::scenario::ROWS;
 use super::{DataSet, Results};
-use crate::report::significant;
+use crate::number::significant;
 
 impl Results {
     pub(super) fn findings(&self) -> Vec<String> {
@@ -42,7 +42,7 @@ impl Results {
 
     fn convergence(&self) -> String {
         let iterations = |of: fn(&DataSet) -> f64| significant(median(&self.each(of)), 3);
-        let seconds = |of: fn(&DataSet) -> f64| crate::report::seconds(median(&self.each(of)));
+        let seconds = |of: fn(&DataSet) -> f64| crate::number::seconds(median(&self.each(of)));
         format!(
             "\"Better than PSO in terms of time\" rests on 54 against 59 iterations; here {} (PIO), {} (printed), {} \
              (PIO+) and {} (PSO) to within 1e-3 of the final J, {} against {} for a search on one thread. PIO stops \

@@ -5,7 +5,7 @@ use super::super::statistics::{count, mean, median, quantile};
 use super::super::{Cell, Table};
 use super::search::Run;
 use super::{BOXES, Bounds, DataSet, Results, SWEEP};
-use crate::report::short;
+use crate::number::short;
 
 /// J of Table 1 and the iterations at which Fig. 8 is flat, as the paper gives them.
 const PAPER_KF: f64 = 70.44;

@@ -6,9 +6,9 @@ use super::super::{Figure, ReproduceError, Table};
 use super::ends::{self, Point};
 use super::paths::Path;
 use super::{Bench, DataSet, Results, Run, scenario};
+use crate::chart::{Axis, Colour, Dash, Figure as Picture, FigureError, Marker, Panel, Stroke};
 use crate::data::Trajectory;
-use crate::report::figures::{Axis, Colour, Dash, Figure as Picture, FigureError, Marker, Panel, Stroke};
-use crate::report::significant;
+use crate::number::significant;
 
 /// RMSE of Regular in the paper's run 22.
 const RUN_22: f64 = 7.40;

@@ -2,7 +2,7 @@
 
 use super::super::statistics::{mean, median, standard_deviation};
 use super::{Results, rmse};
-use crate::report::significant;
+use crate::number::significant;
 
 impl Results {
     pub(super) fn findings(&self) -> Vec<String> {

@@ -90,7 +90,7 @@ fn clock(at: DateTime, step: i64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::figures::Axis;
+    use crate::chart::Axis;
 
     fn labels(from: &str, seconds: f64, most: usize) -> (String, String) {
         let zero = from.parse::<Timestamp>().unwrap().as_second() as f64;

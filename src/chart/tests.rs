@@ -1,13 +1,11 @@
 //! The toolkit on hostile data: every picture is well-formed, and its numbers are numbers.
 
-mod pictures;
-
 use proptest::prelude::*;
 
 use super::*;
 
 /// Parses a picture; every number in it must be finite and every text inside the page.
-fn texts(svg: &str) -> Vec<String> {
+pub(crate) fn texts(svg: &str) -> Vec<String> {
     let document = roxmltree::Document::parse(svg).unwrap();
     for attribute in document.descendants().flat_map(|node| node.attributes()) {
         let value = attribute.value();
@@ -57,7 +55,7 @@ fn of_everything(points: &[(f64, f64)], axes: (Axis, Axis), label: &str) -> Pane
         .vertical("", Stroke::of_series(2), 0.0)
 }
 
-fn any_value() -> impl Strategy<Value = f64> {
+pub(crate) fn any_value() -> impl Strategy<Value = f64> {
     prop_oneof![
         any::<f64>(),
         -10.0..10.0f64,

@@ -2,13 +2,12 @@
 
 mod zoom;
 
-use super::contour::Grid;
 use super::convergence::{cost_axis, is_wide};
 use super::run_pictures::titled;
-use super::{Axis, Colour, Dash, Figure, Marker, Panel, Stroke};
+use crate::chart::{Axis, Colour, Dash, Figure, Grid, Marker, Panel, Stroke};
 use crate::evaluate::{Evaluator, Population};
 use crate::model::{Parameter, Problem, Scale, Search};
-use crate::report::{short, significant};
+use crate::number::{short, significant};
 
 const WINNER: (Marker, Colour) = (Marker::Disc, Colour::Black);
 const BASELINE: (Marker, Colour) = (Marker::Cross, Colour::Red);

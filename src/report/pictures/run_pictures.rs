@@ -1,10 +1,9 @@
 //! The pictures of one filter run.
 
-use super::envelope::Envelope;
 use super::extent::{hides_the_rest, lowest_usual, of_course, without_outliers};
 use super::run_record::{MOST, RunRecord};
 use super::track::{MeasurementSeries, StateSeries, Track};
-use super::{Axis, Colour, Dash, Figure, Marker, Panel, Stroke};
+use crate::chart::{Axis, Colour, Dash, Envelope, Figure, Marker, Panel, Stroke};
 use crate::data::{Log, Origin, SplitBy};
 use crate::model::Problem;
 use crate::report::{Whiteness, count, significant};

@@ -34,18 +34,50 @@ fn thinned(points: Vec<(f64, f64)>, width: f64) -> Vec<(f64, f64)> {
     apart.into_iter().step_by(stride).collect()
 }
 
-/// First, lowest, highest and last point of every column of one pixel: what a drawn line covers.
+/// What every column of one pixel shows of a line.
 fn columns(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    let mut kept = Vec::new();
-    for column in points.chunk_by(|a, b| a.0.floor() <= b.0.floor() && a.0.floor() >= b.0.floor()) {
-        let by_height = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
-        let ends = [column.first(), column.iter().min_by(by_height), column.iter().max_by(by_height), column.last()];
-        let mut ends: Vec<_> = ends.into_iter().flatten().copied().collect();
+    let mut columns: Vec<Stretch> = Vec::new();
+    for point in points {
+        match columns.last_mut() {
+            Some(last) if point.0.floor() <= last.first.0.floor() => last.add(*point),
+            _ => columns.push(Stretch::of(*point)),
+        }
+    }
+    columns.iter().flat_map(Stretch::ends).collect()
+}
+
+/// What is drawn of a stretch of a line, however many points it has.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Stretch {
+    pub(super) first: (f64, f64),
+    pub(super) low: (f64, f64),
+    pub(super) high: (f64, f64),
+    last: (f64, f64),
+}
+
+impl Stretch {
+    pub(super) const fn of(point: (f64, f64)) -> Self {
+        Self { first: point, low: point, high: point, last: point }
+    }
+
+    /// The next point; NaN is neither lowest nor highest, unless all are.
+    pub(super) fn add(&mut self, point: (f64, f64)) {
+        if point.1 < self.low.1 || self.low.1.is_nan() {
+            self.low = point;
+        }
+        if point.1 >= self.high.1 || self.high.1.is_nan() {
+            self.high = point;
+        }
+        self.last = point;
+    }
+
+    /// Its ends and its extremes in their order, without repetition.
+    fn ends(&self) -> Vec<(f64, f64)> {
+        let mut ends = vec![self.first, self.low, self.high, self.last];
         ends[1..].sort_by(|a, b| a.0.total_cmp(&b.0));
         ends.dedup();
-        kept.extend(ends);
+        ends
     }
-    kept
 }
 
 /// Drops points less than a third of a pixel from the one kept before; the last stays.

@@ -2,7 +2,10 @@
 
 use std::path::Path;
 
+use proptest::prelude::*;
+
 use super::*;
+use crate::chart::tests::{any_value, texts};
 use crate::data::Log;
 use crate::evaluate::mock::{Landscape, Mock};
 use crate::evaluate::{CpuEvaluator, CpuOptions, Device, Evaluation, Evaluator, Population, Status};

@@ -5,9 +5,9 @@
 //! then shows what can be shown. Lines of many points are thinned to the lowest and highest of every pixel.
 //!
 //! ```
-//! use kfgpu::report::figures::{Axis, Colour, Dash, Figure, Marker, Panel, Stroke};
+//! use kfgpu::chart::{Axis, Colour, Dash, Figure, Marker, Panel, Stroke};
 //!
-//! # fn main() -> Result<(), kfgpu::report::figures::FigureError> {
+//! # fn main() -> Result<(), kfgpu::chart::FigureError> {
 //! let level = Panel::new(Axis::new("time").unit("s"), Axis::new("level").unit("m"))
 //!     .band("3-sigma band", Colour::Blue, [(0.0, [0.5, 1.5]), (1.0, [0.8, 1.4])])
 //!     .points("measured", (Marker::Dot, Colour::Grey), [(0.0, 0.9), (1.0, 1.2)])
@@ -24,38 +24,24 @@
 
 mod axis;
 mod contour;
-mod convergence;
 mod dates;
 mod envelope;
-mod extent;
-mod fan;
-mod front;
-mod histogram;
-mod landscape;
 mod layout;
 mod legend;
 mod marks;
 mod panel;
-mod plan;
-mod run_pictures;
-mod run_record;
 mod style;
 mod svg;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod text;
 mod thin;
 mod ticks;
-mod track;
 
 pub use axis::Axis;
 pub use contour::Grid;
-pub use convergence::{convergence, hypervolume};
-pub use front::FrontPicture;
-pub use landscape::landscape;
+pub(crate) use envelope::{Envelope, broken, longest};
 pub use panel::Panel;
-pub use run_pictures::titled;
-pub use run_record::RunRecord;
 pub use style::{Colour, Dash, Marker, Stroke};
 
 /// A picture: a title over panels.

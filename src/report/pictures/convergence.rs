@@ -1,7 +1,7 @@
 //! The course of a search.
 
 use super::run_pictures::titled;
-use super::{Axis, Colour, Dash, Figure, Marker, Panel, Stroke};
+use crate::chart::{Axis, Colour, Dash, Figure, Marker, Panel, Stroke};
 use crate::model::Problem;
 use crate::study::Generation;
 

@@ -1,8 +1,7 @@
 //! A long series as shares of its rows. Dots of it would cover one another, and its extremes would hide that they are few.
 
-use super::envelope::broken;
-use super::{Colour, Marker, Panel, Stroke};
-use crate::report::count;
+use crate::chart::{Colour, Marker, Panel, Stroke, broken};
+use crate::number::count;
 
 /// Rows up to which every one is a dot.
 pub(super) const DOTS: usize = 2000;

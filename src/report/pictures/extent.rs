@@ -1,8 +1,7 @@
 //! How much an axis shows: what is usual, and not what a wide start or a gap would make of it.
 
-use super::Axis;
-use super::envelope::Envelope;
 use super::track::MeasurementSeries;
+use crate::chart::{Axis, Envelope};
 
 /// Innovations where S is this many times its median are those of a gap or of a start, and left out of an axis that they
 /// would more than multiply by [`HIDES`].

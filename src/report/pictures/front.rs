@@ -1,7 +1,7 @@
 //! Pictures of a Pareto front.
 
 use super::convergence::{cost_axis, is_wide};
-use super::{Axis, Colour, Dash, Figure, Marker, Panel, Stroke};
+use crate::chart::{Axis, Colour, Dash, Figure, Marker, Panel, Stroke};
 use crate::model::{Parameters, Scale};
 
 const MEMBER: (Marker, Colour) = (Marker::Circle, Colour::Black);
@@ -79,7 +79,7 @@ impl FrontPicture<'_> {
         match baseline {
             Some(_) if is_near => panel.points("baseline", BASELINE, baseline),
             Some((x, y)) => {
-                let digits = |v| crate::report::significant(v, 4);
+                let digits = |v| crate::number::significant(v, 4);
                 panel.points(&format!("baseline, far outside at ({}, {})", digits(x), digits(y)), BASELINE, [])
             }
             None => panel,

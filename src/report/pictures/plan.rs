@@ -1,8 +1,7 @@
 //! A track from above: one state of a place against the other.
 
-use super::envelope::broken;
 use super::run_record::MOST;
-use super::{Axis, Colour, Figure, Marker, Panel, Stroke};
+use crate::chart::{Axis, Colour, Figure, Marker, Panel, Stroke, broken};
 use crate::data::{Log, Trajectory};
 use crate::model::{ExprKind, Problem, Symbol};
 use crate::reference::{Estimate, Step};

@@ -1,5 +1,7 @@
 //! Series that are thinned while they are collected, so that a picture of any log takes the same memory.
 
+use super::thin::Stretch;
+
 /// Rows kept of a series; about five times what a picture shows side by side.
 const ROWS: usize = 4000;
 /// Intervals beyond this many times a usual one are gaps in time, across which no line is drawn.
@@ -7,78 +9,69 @@ const GAP: f64 = 10.0;
 
 /// A series over time in at most [`ROWS`] stretches: the first value of each, and the lowest and highest.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Envelope {
+pub(crate) struct Envelope {
     /// Rows of the log in one stretch.
     every: usize,
     seen: usize,
     rows: Vec<Stretch>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Stretch {
-    time: f64,
-    first: f64,
-    low: f64,
-    high: f64,
-}
-
 impl Envelope {
     /// For a series of `length` rows.
-    pub(super) fn new(length: usize) -> Self {
+    pub(crate) fn new(length: usize) -> Self {
         Self { every: length.div_ceil(ROWS).max(1), seen: 0, rows: Vec::new() }
     }
 
     /// The next value; NaN is a gap where a whole stretch has no other.
-    pub(super) fn push(&mut self, time: f64, value: f64) {
+    pub(crate) fn push(&mut self, time: f64, value: f64) {
         self.push_band(time, [value, value]);
     }
 
     /// The next lower and upper edge of a band.
-    pub(super) fn push_band(&mut self, time: f64, [low, high]: [f64; 2]) {
-        match self.rows.last_mut() {
-            // min and max leave NaN out.
-            Some(last) if !self.seen.is_multiple_of(self.every) => {
-                last.low = last.low.min(low);
-                last.high = last.high.max(high);
-            }
-            _ => self.rows.push(Stretch { time, first: low, low, high }),
+    pub(crate) fn push_band(&mut self, time: f64, [low, high]: [f64; 2]) {
+        if self.seen.is_multiple_of(self.every) {
+            self.rows.push(Stretch::of((time, low)));
+        }
+        if let Some(last) = self.rows.last_mut() {
+            last.add((time, low));
+            last.add((time, high));
         }
         self.seen += 1;
     }
 
     /// As a line: up and down in every stretch, broken at gaps in time.
-    pub(super) fn line(&self) -> impl Iterator<Item = (f64, f64)> {
+    pub(crate) fn line(&self) -> impl Iterator<Item = (f64, f64)> {
         let points = if self.every == 1 { 1 } else { 2 };
-        let of = move |s: &Stretch| [(s.time, s.low), (s.time, s.high)].into_iter().take(points);
-        broken(&self.rows, |s| s.time, of, (f64::NAN, f64::NAN))
+        let of = move |s: &Stretch| [(s.first.0, s.low.1), (s.first.0, s.high.1)].into_iter().take(points);
+        broken(&self.rows, |s| s.first.0, of, (f64::NAN, f64::NAN))
     }
 
     /// As points: of each stretch its ends and one more.
-    pub(super) fn points(&self) -> impl Iterator<Item = (f64, f64)> {
+    pub(crate) fn points(&self) -> impl Iterator<Item = (f64, f64)> {
         let points = if self.every == 1 { 1 } else { 3 };
-        self.rows
-            .iter()
-            .flat_map(move |s| [(s.time, s.first), (s.time, s.low), (s.time, s.high)].into_iter().take(points))
+        let of = move |s: &Stretch| [s.first, (s.first.0, s.low.1), (s.first.0, s.high.1)].into_iter().take(points);
+        self.rows.iter().flat_map(of)
     }
 
     /// As a band, broken at gaps in time.
-    pub(super) fn band(&self) -> impl Iterator<Item = (f64, [f64; 2])> {
-        broken(&self.rows, |s| s.time, |s| std::iter::once((s.time, [s.low, s.high])), (f64::NAN, [f64::NAN; 2]))
+    pub(crate) fn band(&self) -> impl Iterator<Item = (f64, [f64; 2])> {
+        let of = |s: &Stretch| std::iter::once((s.first.0, [s.low.1, s.high.1]));
+        broken(&self.rows, |s| s.first.0, of, (f64::NAN, [f64::NAN; 2]))
     }
 
     /// Rows of the log that one drawn stretch stands for.
-    pub(super) const fn every(&self) -> usize {
+    pub(crate) const fn every(&self) -> usize {
         self.every
     }
 
     /// Whether there is any value at all.
-    pub(super) fn has_values(&self) -> bool {
-        self.rows.iter().any(|s| s.low.is_finite() || s.high.is_finite())
+    pub(crate) fn has_values(&self) -> bool {
+        self.rows.iter().any(|s| s.low.1.is_finite() || s.high.1.is_finite())
     }
 }
 
 /// What `of` makes of each row, with `gap` between rows whose times are much farther apart than usual.
-pub(super) fn broken<R, T: Copy, I: IntoIterator<Item = T>>(
+pub(crate) fn broken<R, T: Copy, I: IntoIterator<Item = T>>(
     rows: &[R],
     time: impl Fn(&R) -> f64,
     of: impl Fn(&R) -> I,
@@ -97,7 +90,7 @@ pub(super) fn broken<R, T: Copy, I: IntoIterator<Item = T>>(
 
 /// The interval between times that is no gap yet: so many times that which 19 in 20 do not exceed. One that a log takes
 /// now and then, as every weekend, is usual.
-pub(super) fn longest(times: impl Iterator<Item = f64>) -> f64 {
+pub(crate) fn longest(times: impl Iterator<Item = f64>) -> f64 {
     let times: Vec<f64> = times.collect();
     let mut intervals: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
     intervals.sort_by(f64::total_cmp);

@@ -1,6 +1,6 @@
 //! Counts of normalised values in bins, and how they are drawn.
 
-use super::{Axis, Colour, Panel, Stroke};
+use crate::chart::{Axis, Colour, Panel, Stroke};
 
 /// Width of the bins that are counted.
 const BIN: f64 = 0.05;

@@ -158,7 +158,7 @@ fn named(axis: &Axis, offset: f64, exponent: i32) -> String {
     let mut name = axis.name.clone();
     if offset.abs() > 0.0 {
         let sign = if offset < 0.0 { '+' } else { '−' };
-        name = format!("{name} {sign} {}", crate::report::number::exact(offset.abs()));
+        name = format!("{name} {sign} {}", crate::number::exact(offset.abs()));
     }
     let factor = (exponent != 0).then(|| format!("1e{exponent}"));
     match (factor, axis.unit.as_deref().filter(|unit| !unit.is_empty())) {

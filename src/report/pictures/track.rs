@@ -1,9 +1,9 @@
 //! One trajectory of a filter run, as its pictures need it.
 
-use super::envelope::{Envelope, longest};
 use super::fan::{DOTS, Fan};
 use super::plan::{Axes, Plan};
 use super::run_record::MOST;
+use crate::chart::{Envelope, longest};
 use crate::data::{Log, Trajectory};
 use crate::reference::{Step, Update};
 

@@ -143,6 +143,7 @@ pub mod report;
 pub mod reproduce;
 pub mod simulate;
 pub mod study;
+pub mod table;
 pub mod tape;
 mod words;
 

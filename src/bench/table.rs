@@ -1,7 +1,9 @@
 //! A comparison as a table for people.
 
-use super::{Comparison, Crossover, Report};
 use std::fmt::{self, Display, Formatter};
+
+use super::{Comparison, Crossover, Report};
+use crate::table::Table;
 
 impl Display for Comparison {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
@@ -9,12 +11,11 @@ impl Display for Comparison {
         let (least, most) = (flops.clone().min().unwrap_or(0), flops.max().unwrap_or(0));
         let range = if least == most { most.to_string() } else { format!("{least} to {most}") };
         writeln!(f, "{}: {} candidates x {} rows, {range} flops a step", self.workload, self.candidates, self.rows)?;
-        writeln!(
-            f,
-            "\n{:<16}  {:<6}  {:>12}  {:>14}  {:>12}  {:>14}  {:>9}  on",
-            "device", "format", "evaluation s", "filter-steps/s", "kernels s", "kernel steps/s", "GFLOP/s"
-        )?;
-        self.measurements.iter().try_for_each(|report| row(f, report))?;
+        let heads =
+            ["device", "format", "evaluation s", "filter-steps/s", "kernels s", "kernel steps/s", "GFLOP/s", "on"];
+        let mut table = Table::of(heads);
+        self.measurements.iter().for_each(|report| table.push(row(report)));
+        write!(f, "\n{table}")?;
         for crossover in &self.crossover {
             writeln!(f, "\n{crossover}")?;
         }
@@ -25,15 +26,19 @@ impl Display for Comparison {
     }
 }
 
-fn row(f: &mut Formatter<'_>, report: &Report) -> fmt::Result {
-    let Report { device, dtype, median_s, steps_per_s, gflops, isa, .. } = report;
+fn row(report: &Report) -> [String; 8] {
+    let Report { device, dtype, isa, .. } = report;
     let or_dash = |value: Option<String>| value.unwrap_or_else(|| "-".to_owned());
-    let kernel_s = or_dash(report.kernel_s.map(|s| format!("{s:.6}")));
-    let kernel_rate = or_dash(report.kernel_steps_per_s.map(|rate| format!("{rate:.3e}")));
-    writeln!(
-        f,
-        "{device:<16}  {dtype:<6}  {median_s:>12.6}  {steps_per_s:>14.3e}  {kernel_s:>12}  {kernel_rate:>14}  {gflops:>9.2}  {isa}"
-    )
+    [
+        device.clone(),
+        dtype.clone(),
+        format!("{:.6}", report.median_s),
+        format!("{:.3e}", report.steps_per_s),
+        or_dash(report.kernel_s.map(|s| format!("{s:.6}"))),
+        or_dash(report.kernel_steps_per_s.map(|rate| format!("{rate:.3e}"))),
+        format!("{:.2}", report.gflops),
+        isa.clone(),
+    ]
 }
 
 impl Display for Crossover {

@@ -9,7 +9,8 @@ use super::console::Console;
 use super::{Ending, files, load};
 use crate::model::Problem;
 use crate::reference;
-use crate::report::{Bound, Consistency, Evidence, Named, Test, TextTable, short};
+use crate::report::{Bound, Consistency, Evidence, Named, Test, short};
+use crate::table::Table;
 
 /// Check that a filter is consistent with a log: exit 0 if every target is met, 1 if not, for CI.
 ///
@@ -119,7 +120,7 @@ fn targets(problem: &Problem, consistency: &Consistency, candidate: &[f64]) -> V
 
 impl std::fmt::Display for Report {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let mut table = TextTable::new(["target", "measured", "required", "result"]);
+        let mut table = Table::of(["target", "measured", "required", "result"]);
         for Target { name, required, measured, pass, .. } in &self.targets {
             let result = if *pass { "pass" } else { "FAIL" };
             let measured = if measured.is_nan() { "-".to_owned() } else { short(*measured, 4) };

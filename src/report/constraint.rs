@@ -4,10 +4,11 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::{TextTable, Validation, exact, significant};
+use super::{Validation, exact, significant};
 use crate::model::Problem;
 use crate::objective::{Constraint, Relation};
 use crate::study::Outcome;
+use crate::table::Table;
 
 /// Digits of values.
 const DIGITS: usize = 8;
@@ -115,16 +116,16 @@ pub(super) fn cells(check: &ConstraintCheck) -> [String; 2] {
 }
 
 /// Every constraint, on training and on held-out rows where there is a split.
-pub(super) fn table(checks: &[ConstraintCheck], validation: Option<&Validation>) -> TextTable {
+pub(super) fn table(checks: &[ConstraintCheck], validation: Option<&Validation>) -> Table {
     let Some(validation) = validation else {
-        let mut table = TextTable::new(["constraint, in-sample, f64", "baseline", "tuned", "note"]);
+        let mut table = Table::of(["constraint, in-sample, f64", "baseline", "tuned", "note"]);
         for check in checks {
             let [baseline, tuned] = cells(check);
             table.push([check.to_string(), baseline, tuned, check.note().to_owned()]);
         }
         return table;
     };
-    let mut table = TextTable::new(["constraint, f64", "rows", "baseline", "tuned", "note"]);
+    let mut table = Table::of(["constraint, f64", "rows", "baseline", "tuned", "note"]);
     for (train, held_out) in checks.iter().zip(&validation.constraints) {
         let rows = [(train.to_string(), "training", train), (String::new(), "held out", held_out)];
         for (name, rows, check) in rows {

@@ -6,13 +6,14 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::consistency::Band;
-use super::{ConstraintCheck, Named, TextTable, constraint_checks, exact, short, significant};
+use super::{ConstraintCheck, Named, constraint_checks, exact, short, significant};
 use crate::data::Log;
 use crate::model::{Pick, Problem};
 use crate::objective::{Kind, Objective};
 use crate::optimize::pareto::dominates;
 use crate::reference;
 use crate::study::{Among, FrontMember, Landmarks, MeanNis, Outcome, Split, scoring_rows};
+use crate::table::{Cell, Table};
 
 /// Members that the text report shows.
 const SHOWN: usize = 10;
@@ -292,9 +293,9 @@ pub(super) fn nis_cell(point: &FrontPoint) -> String {
     point.nis_mean.map_or_else(String::new, |nis| significant(nis, 3))
 }
 
-fn table(points: &[FrontPoint], shown: &[usize], validated: bool) -> TextTable {
+fn table(points: &[FrontPoint], shown: &[usize], validated: bool) -> Table {
     let names = |named: &Named<f64>| named.iter().map(|(name, _)| name.to_owned()).collect::<Vec<_>>();
-    let Some(first) = points.first() else { return TextTable::default() };
+    let Some(first) = points.first() else { return Table::default() };
     let parameters = names(&first.parameters);
     let with_parameters = parameters.len() <= SHOWN_PARAMETERS;
     let mut header = objective_columns(first, validated);
@@ -306,9 +307,9 @@ fn table(points: &[FrontPoint], shown: &[usize], validated: bool) -> TextTable {
         let objectives = point.objectives.iter().map(|(_, value)| significant(*value, DIGITS));
         let objectives = objectives.chain(held_out_cells(point, validated, DIGITS)).chain([nis_cell(point)]);
         let parameters = point.parameters.iter().filter(|_| with_parameters).map(|(_, value)| short(*value, DIGITS));
-        objectives.chain(parameters).chain([point.marks.join(", ")]).collect()
+        objectives.chain(parameters).chain([point.marks.join(", ")]).map(Cell::from).collect()
     };
-    TextTable::of_rows([header].into_iter().chain(shown.iter().map(row)).collect())
+    Table { rows: shown.iter().map(row).collect(), ..Table::of(header) }
 }
 
 #[cfg(test)]

@@ -3,11 +3,10 @@
 use std::fmt;
 
 use super::validation::improvement_text;
-use super::{
-    Effort, Gain, Named, Scored, TextTable, Tuning, Validation, constraint, count, seconds, short, significant,
-};
+use super::{Effort, Gain, Named, Scored, Tuning, Validation, constraint, count, seconds, short, significant};
 use crate::evaluate::Device;
 use crate::study::StopReason;
+use crate::table::Table;
 use crate::words::counted;
 
 /// Digits of parameters and objectives.
@@ -68,8 +67,8 @@ pub(super) const fn ended(stop: StopReason) -> &'static str {
 }
 
 impl Tuning {
-    fn parameter_table(&self) -> TextTable {
-        let mut table = TextTable::new(["parameter", "unit", "baseline", "tuned", "note"]);
+    fn parameter_table(&self) -> Table {
+        let mut table = Table::of(["parameter", "unit", "baseline", "tuned", "note"]);
         for (name, tuned) in self.parameters.iter() {
             let bound = self.at_bound.get(name).map(|bound| format!("at its {bound} bound"));
             let truth = self.simulated_with.get(name).map(|truth| format!("simulated with {}", short(*truth, DIGITS)));
@@ -83,8 +82,8 @@ impl Tuning {
         table
     }
 
-    fn objective_table(&self) -> TextTable {
-        let mut table = TextTable::new(["objective, in-sample, f64", "baseline", "tuned", "raw measurements"]);
+    fn objective_table(&self) -> Table {
+        let mut table = Table::of(["objective, in-sample, f64", "baseline", "tuned", "raw measurements"]);
         for (name, tuned) in self.objectives.iter() {
             let baseline = self.effort.baseline.objective(name);
             let raw = self.raw_measurements.get(name).map_or_else(String::new, |v| significant(*v, DIGITS));
@@ -111,9 +110,8 @@ impl Tuning {
     }
 
     /// Every objective on training and on held-out rows.
-    fn validation_table(&self, validation: &Validation) -> TextTable {
-        let mut table =
-            TextTable::new(["objective, f64", "rows", "baseline", "tuned", "improvement", "raw measurements"]);
+    fn validation_table(&self, validation: &Validation) -> Table {
+        let mut table = Table::of(["objective, f64", "rows", "baseline", "tuned", "improvement", "raw measurements"]);
         let cell = |value: Option<f64>| value.map_or_else(|| "failed".to_owned(), |v| significant(v, DIGITS));
         let of = |named: &Option<Named<f64>>, name: &str| named.as_ref().and_then(|n| n.get(name).copied());
         let raw =

@@ -10,7 +10,6 @@ mod moma;
 mod protocol;
 mod reproduction;
 mod statistics;
-mod table;
 mod target;
 
 use std::num::NonZero;
@@ -25,8 +24,8 @@ use crate::reference::Failure;
 use crate::simulate::SimulateError;
 use crate::study::StudyError;
 
+pub use crate::table::{Cell, Table};
 pub use reproduction::{Figure, Reproduction};
-pub use table::{Cell, Table};
 pub use target::{Required, Target};
 
 /// One row of [`STUDIES`].

@@ -5,11 +5,11 @@ use std::fmt;
 use serde::Serialize;
 use serde::ser::{SerializeStruct as _, Serializer};
 
-use super::table::{Cell, Table};
 use super::target::Target;
 use crate::evaluate::Device;
 use crate::chart::{Figure as Picture, FigureError};
 use crate::number::seconds;
+use crate::table::{Cell, Table};
 
 /// A picture of a study.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -148,13 +148,13 @@ impl fmt::Display for Reproduction {
             writeln!(f, "{note}")?;
         }
         for table in std::iter::once(&self.table).chain(&self.tables) {
-            writeln!(f, "\n{}\n{}", table.title, table.text().trim_end())?;
+            writeln!(f, "\n{}\n{}", table.title, table.to_string().trim_end())?;
         }
         for (title, lines) in self.lists() {
             writeln!(f, "\n{title}")?;
             lines.iter().try_for_each(|line| writeln!(f, "  - {line}"))?;
         }
-        writeln!(f, "\nTargets\n{}", self.target_table().text().trim_end())?;
+        writeln!(f, "\nTargets\n{}", self.target_table().to_string().trim_end())?;
         writeln!(f, "\n{}", self.verdict())
     }
 }

@@ -132,6 +132,6 @@ fn a_named_adapter_is_compared_with_the_cpu() {
         crossover["ladder"].as_array().unwrap().iter().map(|rung| rung["N"].as_u64().unwrap()).collect();
     assert_eq!((&crossover["adapter"], sizes), (&adapter.name.as_str().into(), vec![64, 100]), "{json}");
     let table = run(&[]).stdout;
-    assert!(table.contains(&format!("\n{label} ")) && table.contains("crossover: "), "{table}");
+    assert!(table.contains(&format!("\n  {label} ")) && table.contains("crossover: "), "{table}");
     assert!(!adapter.is_software() || !table.contains("gpu"), "software is never called a GPU: {table}");
 }

@@ -1,44 +1,45 @@
 //! The comparison as a table: one column a run.
 
 use super::{Comparison, Run, RunHeldOut, RunValidation};
-use crate::report::{Standing, TextTable, count, seconds, short, significant};
+use crate::number::{count, seconds, short, significant};
+use crate::report::Standing;
+use crate::table::Table;
 
 /// Digits of parameters and objectives.
 const DIGITS: usize = 8;
 
-pub(super) fn of(comparison: &Comparison) -> TextTable {
+pub(super) fn of(comparison: &Comparison) -> Table {
     let runs = &comparison.runs;
     let row = |label: &str, cell: &dyn Fn(&Run) -> String| {
         [label.to_owned()].into_iter().chain(runs.iter().map(cell)).collect::<Vec<_>>()
     };
-    let mut rows = vec![row("", &|run| run.path.clone())];
-    rows.push(row("problem", &|run| run.problem.clone()));
-    rows.push(row("search", &|run| format!("{}, seed {}", run.algorithm, run.seed)));
+    let mut table = Table::of(row("", &|run| run.path.clone()));
+    let mut push = |row: Vec<String>| table.push(row);
+    push(row("problem", &|run| run.problem.clone()));
+    push(row("search", &|run| format!("{}, seed {}", run.algorithm, run.seed)));
     for (name, unit) in parameters(runs) {
         let value = |run: &Run| run.parameters.get(&name).map_or_else(|| "-".to_owned(), |v| short(*v, DIGITS));
-        rows.push(row(&format!("{name}{unit}"), &value));
+        push(row(&format!("{name}{unit}"), &value));
     }
     for name in union(runs.iter().map(|run| run.objectives.iter().map(|(name, _)| name).collect())) {
-        rows.push(objective(comparison, &name, false));
+        push(objective(comparison, &name, false));
         if runs.iter().any(|run| run.validation.is_some()) {
-            rows.push(objective(comparison, &name, true));
+            push(objective(comparison, &name, true));
         }
     }
-    rows.push(row("mean NIS", &nis));
-    rows.push(row("judged on", &|run| {
-        if run.consistency_on == "held_out" { "held-out rows" } else { "in-sample" }.into()
-    }));
-    rows.push(row("verdict", &|run| run.consistency.verdict.replace('_', " ")));
+    push(row("mean NIS", &nis));
+    push(row("judged on", &|run| if run.consistency_on == "held_out" { "held-out rows" } else { "in-sample" }.into()));
+    push(row("verdict", &|run| run.consistency.verdict.replace('_', " ")));
     if runs.iter().any(|run| run.validation.is_some()) {
-        rows.push(row("against baseline, held out", &against_baseline));
+        push(row("against baseline, held out", &against_baseline));
     }
     if runs.iter().any(|run| run.feasible == Some(false)) {
-        rows.push(row("constraints", &|run| if run.feasible == Some(false) { "not met" } else { "met" }.into()));
+        push(row("constraints", &|run| if run.feasible == Some(false) { "not met" } else { "met" }.into()));
     }
-    rows.push(row("evaluations", &|run| count(run.evaluations)));
-    rows.push(row("time", &|run| seconds(run.wall_s)));
-    rows.push(row("device", &|run| format!("{} {}", run.device.backend, run.device.precision)));
-    TextTable::of_rows(rows)
+    push(row("evaluations", &|run| count(run.evaluations)));
+    push(row("time", &|run| seconds(run.wall_s)));
+    push(row("device", &|run| format!("{} {}", run.device.backend, run.device.precision)));
+    table
 }
 
 fn objective(comparison: &Comparison, name: &str, held_out: bool) -> Vec<String> {

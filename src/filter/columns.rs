@@ -94,6 +94,11 @@ impl Columns {
         self.kind = (self.kinds.len() > 1).then_some(kind);
     }
 
+    /// Number of rows that columns are asked for, of a log with `rows` used ones.
+    pub(super) fn rows(&self, rows: usize) -> usize {
+        self.kind.map_or(rows, |kind| self.kinds.rows(kind, rows))
+    }
+
     /// From now on columns are those of all rows.
     pub(super) fn of_all(&mut self) {
         self.kind = None;

@@ -31,16 +31,6 @@ pub enum TraceError {
     /// More values than the operations can name.
     #[error(transparent)]
     TooLarge(#[from] TooLarge),
-    /// f32 would lose the answer.
-    #[error(
-        "{formula} `{name}` mixes searched parameters with dt or inputs, which single precision cannot hold: use --precision f64"
-    )]
-    NeedsF64 {
-        /// `f` or `h`.
-        formula: &'static str,
-        /// The state or measurement it belongs to.
-        name: String,
-    },
     /// f32 has lost it: P grows too far while nothing is measured.
     #[error(
         "after a stretch without measurements single precision finds {objective} = {single} where double precision finds \
@@ -60,6 +50,6 @@ impl TraceError {
     /// Whether double precision has what single has not.
     #[must_use]
     pub const fn needs_f64(&self) -> bool {
-        matches!(self, Self::NeedsF64 { .. } | Self::LostInSingle { .. })
+        matches!(self, Self::LostInSingle { .. })
     }
 }

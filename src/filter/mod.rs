@@ -5,6 +5,7 @@ mod carried;
 mod carry;
 mod columns;
 mod covariance;
+mod difference;
 mod error;
 mod evidence;
 mod families;

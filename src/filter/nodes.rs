@@ -14,6 +14,8 @@ pub(super) struct Affine {
     /// Rows of it.
     pub(super) jacobian: Vec<Vec<Id>>,
     pub(super) offset: Vec<Id>,
+    /// The formulas themselves, of free variables for the states.
+    pub(super) values: Vec<Id>,
 }
 
 /// The model in the problem's own units. Searched parameters are leaves, or the values of one candidate.
@@ -80,7 +82,7 @@ fn affine(
     let n = t.problem.model.states.len();
     let variables: Vec<Id> = (0..n).map(|j| t.g.leaf(Leaf::Variable(narrow(j)))).collect();
     let zeros = vec![t.g.constant(0.0); n];
-    let mut affine = Affine { jacobian: vec![], offset: vec![] };
+    let mut affine = Affine { jacobian: vec![], offset: vec![], values: vec![] };
     for (formula, name) in formulas.iter().zip(what.1) {
         let value = formula::trace(&mut t.g, formula, Scope { states: &variables, ..scope });
         let row: Vec<Id> = (0..n).map(|j| t.g.differentiate(value, Leaf::Variable(narrow(j)))).collect();
@@ -88,6 +90,7 @@ fn affine(
             return Err(TraceError::NotLinear { formula: what.0, name: name.clone() });
         }
         affine.jacobian.push(row);
+        affine.values.push(value);
         affine.offset.push(formula::trace(&mut t.g, formula, Scope { states: &zeros, ..scope }));
     }
     Ok(affine)

@@ -33,7 +33,7 @@ struct MeasuredStart(Calculator);
 
 impl MeasuredStart {
     fn new(t: &mut Tracer<'_>) -> Result<Self, TraceError> {
-        let Affine { jacobian, offset } = ModelNodes::new(t, Some(&t.problem.parameters.baseline()))?.h;
+        let Affine { jacobian, offset, .. } = ModelNodes::new(t, Some(&t.problem.parameters.baseline()))?.h;
         let ids: Vec<Id> = jacobian.into_iter().flatten().chain(offset).collect();
         Ok(Self(Calculator::new(&t.g, &ids)))
     }

@@ -6,8 +6,8 @@ use serde::Serialize;
 use serde::ser::{SerializeStruct as _, Serializer};
 
 use super::target::Target;
-use crate::evaluate::Device;
 use crate::chart::{Figure as Picture, FigureError};
+use crate::evaluate::Device;
 use crate::number::seconds;
 use crate::table::{Cell, Table};
 

@@ -90,7 +90,7 @@ fn f32_lanes_keep_the_promise_and_the_ranking() {
 #[test]
 fn what_single_precision_cannot_hold_is_refused() {
     let refused: Vec<&Case> = cases().iter().map(|(c, _)| c).filter(|c| c.single == Single::Refused).collect();
-    assert!(refused.len() >= 2, "a parameter times irregular dt, and one times an input");
+    assert!(refused.len() >= 2, "after gaps that are too long for it");
     for case in refused {
         let error = build(case, Precision::F32).err();
         assert!(

@@ -56,7 +56,7 @@ fn searched() -> Vec<Case> {
         Case::new("searched in f, h, x0, P0, Q, R", &all, REGULAR, 257),
         Case::new("searched in f, h, x0, P0, Q, R, pooled", &Text { objectives: OPTIONS, ..all }, POOLED, 257),
         Case::new("searched in f, times a constant dt", &times_dt, REGULAR.every(Interval::Regular(0.5)), 257),
-        Case::new("searched in f, times irregular dt", &times_dt, IRREGULAR, 65).single(Single::Refused),
+        Case::new("searched in f, times irregular dt", &times_dt, IRREGULAR, 257),
         Case::new("tied", &tied, POOLED, 257),
         Case::new("factored Q and P0", &factored, REGULAR, 257),
         Case::new("factored Q and P0, pooled", &Text { objectives: OPTIONS, ..factored }, POOLED, 257),
@@ -85,8 +85,7 @@ fn inputs() -> Vec<Case> {
         Case::new("inputs", &start, IRREGULAR, 257),
         Case::new("inputs, named states, pooled", &Text { objectives: named, ..start }, leading, 257),
         Case::new("inputs, x0 measured late", &Text { model: &measured, ..base }, skipped(pooled), 257),
-        Case::new("searched times an input", &Text { model: &scaled, parameters: &parameters, ..base }, IRREGULAR, 65)
-            .single(Single::Refused),
+        Case::new("searched times an input", &Text { model: &scaled, parameters: &parameters, ..base }, IRREGULAR, 257),
     ]
 }
 

@@ -3,6 +3,7 @@
 use super::{Map, MomentRule, Moments};
 use crate::filter::columns::Key;
 use crate::filter::covariance::Covariance;
+use crate::filter::difference;
 use crate::filter::error::TraceError;
 use crate::filter::nodes::{self, ModelNodes};
 use crate::filter::row::Row;
@@ -24,7 +25,7 @@ impl MomentRule for Affine {
     ) -> Result<Moments, TraceError> {
         let formulas = of(&row.model, map);
         let offset = match &row.nominal {
-            Some(nominal) => around(t, formulas, of(nominal, map), map)?,
+            Some(nominal) => around(t, formulas, of(nominal, map), map),
             None => absolute(t, formulas),
         };
         let units = match map {
@@ -55,42 +56,21 @@ fn absolute(t: &mut Tracer<'_>, map: &nodes::Affine) -> Offset {
     Offset { fixed: map.offset.clone(), moved: vec![t.g.constant(0.0); map.offset.len()] }
 }
 
-/// f_theta0(x_nom) is the same for every candidate and is taken in f64, once; what theta changes is added:
-/// [F_theta - F_theta0] x_nom + c_theta - c_theta0, which vanishes where theta does not stand in the formula.
-fn around(t: &mut Tracer<'_>, theta: &nodes::Affine, at: &nodes::Affine, map: Map) -> Result<Offset, TraceError> {
-    let Some(nominal) = t.nominal else { return Ok(absolute(t, theta)) };
+/// f_theta0(x_nom) is the same for every candidate and is taken in f64, once; what theta changes of it is a difference, which
+/// vanishes where theta does not stand in the formula.
+fn around(t: &mut Tracer<'_>, theta: &nodes::Affine, at: &nodes::Affine, map: Map) -> Offset {
+    let Some(nominal) = t.nominal else { return absolute(t, theta) };
     let n = t.problem.model.states.len();
     let x: Vec<Id> = (0..n).map(|i| t.columns.node(&mut t.g, Key::Nominal(i), || nominal.at(i))).collect();
-    let mut offset = Offset { fixed: vec![], moved: vec![] };
-    for i in 0..theta.offset.len() {
-        let mut fixed = t.g.dot(at.jacobian[i].iter().copied().zip(x.iter().copied()));
-        fixed = t.g.add(fixed, at.offset[i]);
+    let mut fixed = Vec::with_capacity(at.offset.len());
+    for (i, (row, offset)) in at.jacobian.iter().zip(&at.offset).enumerate() {
+        let linear = t.g.dot(row.iter().copied().zip(x.iter().copied()));
+        let mut value = t.g.add(linear, *offset);
         if map == Map::Transition {
             let next = t.columns.node(&mut t.g, Key::NextNominal(i), || nominal.next(i, t.rows));
-            fixed = t.g.sub(fixed, next);
+            value = t.g.sub(value, next);
         }
-        let mut moved = t.g.sub(theta.offset[i], at.offset[i]);
-        require_invariant(t, moved, map, i)?;
-        for (j, x) in x.iter().enumerate() {
-            let change = t.g.sub(theta.jacobian[i][j], at.jacobian[i][j]);
-            require_invariant(t, change, map, i)?;
-            let share = t.g.mul(change, *x);
-            moved = t.g.add(moved, share);
-        }
-        offset.fixed.push(fixed);
-        offset.moved.push(moved);
+        fixed.push(value);
     }
-    Ok(offset)
-}
-
-fn require_invariant(t: &Tracer<'_>, change: Id, map: Map, i: usize) -> Result<(), TraceError> {
-    if t.g.depends(change).is_invariant() {
-        return Ok(());
-    }
-    let model = &t.problem.model;
-    let (formula, names) = match map {
-        Map::Transition => ("f", &model.states),
-        Map::Measurement => ("h", &model.measurements),
-    };
-    Err(TraceError::NeedsF64 { formula, name: names[i].clone() })
+    Offset { fixed, moved: difference::by_parameters(t, &theta.values, &x, &nominal.candidate) }
 }

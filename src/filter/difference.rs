@@ -1,0 +1,45 @@
+//! What a candidate's parameters change of a formula where the states are the nominal's.
+
+use super::carried::narrow;
+use super::tracer::Tracer;
+use crate::tape::{Calculator, Graph, Id, Leaf, Moved, Sum};
+use std::collections::HashMap;
+
+/// For formulas of free variables how far they move when the parameters do from `candidate`, at the states `x`.
+pub(super) fn by_parameters(t: &mut Tracer<'_>, formulas: &[Id], x: &[Id], candidate: &[f64]) -> Vec<Id> {
+    let mut leaves = HashMap::new();
+    for (j, x) in x.iter().enumerate() {
+        leaves.insert(Leaf::Variable(narrow(j)), Moved::still(&mut t.g, *x));
+    }
+    for (p, base) in candidate.iter().enumerate() {
+        let leaf = Leaf::Parameter(narrow(p));
+        let (value, base) = (t.g.leaf(leaf), t.g.constant(*base));
+        // An invariant: the prologue takes it in f64.
+        let delta = t.g.sub(value, base);
+        leaves.insert(leaf, Moved { base, delta, value });
+    }
+    let (columns, rows) = (&*t.columns, t.columns.rows(t.rows.len()));
+    let value = |leaf, row| match leaf {
+        Leaf::Column(column) => columns.value(column, row),
+        _ => f64::NAN,
+    };
+    let moved = t.g.difference(formulas, &leaves, &mut |g, sum| cancels(g, sum, rows, &value));
+    moved.into_iter().map(|moved| moved.delta).collect()
+}
+
+/// Whether a sum is far smaller than its operands in some of the rows, so that rounded operands would leave it few digits.
+fn cancels(g: &Graph, sum: Sum, rows: usize, value: &dyn Fn(Leaf, usize) -> f64) -> bool {
+    /// Operand over sum from which digits are counted as lost.
+    const LOSS: f64 = 4.0;
+    /// Share of the rows in which that has to be so.
+    const SHARE: f64 = 0.02;
+    let [a, b] = sum.operands;
+    let mut calculator = Calculator::new(g, &[a, b, sum.base]);
+    let cancels = |row: &usize| {
+        let values: Vec<f64> = calculator.evaluate(|leaf| value(leaf, *row)).map(f64::abs).collect();
+        values[0].max(values[1]) > LOSS * values[2]
+    };
+    #[expect(clippy::cast_precision_loss, reason = "counts of rows stay far below 2^53")]
+    let (lost, rows) = ((0..rows).filter(cancels).count() as f64, rows as f64);
+    lost > SHARE * rows
+}

@@ -72,7 +72,7 @@ pub struct Table {
     pub title: String,
     /// Column heads.
     pub columns: Vec<String>,
-    /// Rows, each as long as `columns`.
+    /// Rows; cells that one lacks at its end are empty.
     pub rows: Vec<Vec<Cell>>,
 }
 
@@ -90,6 +90,18 @@ impl Table {
     /// Appends a row.
     pub(crate) fn push<C: Into<Cell>>(&mut self, row: impl IntoIterator<Item = C>) {
         self.rows.push(row.into_iter().map(Into::into).collect());
+    }
+
+    /// The table without these columns.
+    pub(crate) fn without(&self, heads: &[&str]) -> Self {
+        let kept: Vec<usize> =
+            (0..self.columns.len()).filter(|c| !heads.contains(&self.columns[*c].as_str())).collect();
+        let row = |row: &Vec<Cell>| kept.iter().map(|c| row.get(*c).cloned().unwrap_or(Cell::Empty)).collect();
+        Self {
+            columns: kept.iter().map(|c| self.columns[*c].clone()).collect(),
+            rows: self.rows.iter().map(row).collect(),
+            ..self.clone()
+        }
     }
 
     /// Heads and cells of the columns that are shown, by column; whether each is of numbers.

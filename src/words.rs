@@ -23,6 +23,16 @@ pub(crate) fn listed<S: AsRef<str>>(items: impl IntoIterator<Item = S>) -> Strin
     shown.join(", ")
 }
 
+/// "a", "a and b", "a, b and c".
+pub(crate) fn enumerated<S: AsRef<str>>(items: &[S]) -> String {
+    let items: Vec<&str> = items.iter().map(AsRef::as_ref).collect();
+    match items[..] {
+        [] => String::new(),
+        [one] => one.to_owned(),
+        [ref first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
 /// So many of what `one` of is called, with an s unless it is one: `1 thread`, `2 threads`, `0 rows`.
 pub(crate) fn counted(count: usize, one: &str) -> String {
     format!("{count} {one}{}", if count == 1 { "" } else { "s" })
@@ -43,6 +53,12 @@ mod tests {
     #[test]
     fn one_thing_has_no_s() {
         assert_eq!([0, 1, 2].map(|n| counted(n, "row")), ["0 rows", "1 row", "2 rows"]);
+    }
+
+    #[test]
+    fn the_last_of_a_list_follows_an_and() {
+        let lists = [&[][..], &["a"], &["a", "b"], &["a", "b", "c"]];
+        assert_eq!(lists.map(enumerated), ["", "a", "a and b", "a, b and c"]);
     }
 
     #[test]

@@ -23,7 +23,7 @@ use crate::data::Log;
 use crate::evaluate::Evaluator;
 use crate::model::{Problem, TuneSpec};
 use crate::reference;
-use crate::report::{Effort, LogFacts, Tuning, mean_nis, unmet};
+use crate::report::{Effort, LogFacts, Nothing, Tuning, mean_nis, unmet};
 use crate::study::{self, Judge, Observer, Outcome, StopReason, Study};
 
 /// Search the parameters of a filter on a log, and report how much better the best found is.
@@ -245,7 +245,7 @@ impl Tune {
 
     /// Says that every candidate failed, in the same places as a result.
     fn report_nothing(&self, effort: Effort, outcome: &Outcome, folder: Option<&OutFolder>) -> anyhow::Result<Ending> {
-        let nothing = effort.without_winner();
+        let nothing = Nothing::of(effort);
         let why = why_nothing(outcome);
         if let Some(folder) = folder {
             results::write_nothing(folder, &nothing, &outcome.history, &why)?;

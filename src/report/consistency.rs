@@ -17,6 +17,7 @@ mod mean;
 mod over_time;
 mod place;
 mod portmanteau;
+mod rows;
 mod uncertainty;
 mod verdict;
 mod whiteness;
@@ -25,10 +26,8 @@ use std::fmt;
 
 use serde::Serialize;
 
-use crate::data::Log;
-use crate::model::Problem;
-use crate::reference::Run;
-use crate::report::{short, significant};
+use crate::number::short;
+use crate::report::document::{Part, Section};
 
 pub(super) use band::Band;
 pub use distribution::NisDistribution;
@@ -95,16 +94,6 @@ pub struct Nees {
 }
 
 impl Consistency {
-    /// Judges the run of `candidate` (searched parameters in their own units) over `log`.
-    #[must_use]
-    pub fn of(problem: &Problem, log: &Log, candidate: &[f64], run: &Run) -> Self {
-        let mut evidence = Evidence::new(problem, log);
-        for (trajectory, steps) in run.trajectories.iter().enumerate() {
-            steps.iter().for_each(|step| evidence.add(trajectory, step));
-        }
-        evidence.judge(problem, candidate)
-    }
-
     /// Whether nothing is wrong.
     #[must_use]
     pub fn is_consistent(&self) -> bool {
@@ -112,37 +101,34 @@ impl Consistency {
     }
 }
 
+impl Consistency {
+    /// All that is said of it: the verdict, what was measured, what is wrong, and how well parameters are determined.
+    pub(super) fn under(&self, section: Section) -> Section {
+        let mut items = self.measured();
+        items.extend(self.findings.iter().map(|found| (format!("{}:", found.verdict), found.advice.clone())));
+        items.extend(self.uncertainty.items());
+        section.with(self.verdict.to_string()).with(Part::List(items))
+    }
+
+    fn measured(&self) -> Vec<(String, String)> {
+        let Self { nis_mean, nis_low, nis_high, components, .. } = self;
+        let nis = format!("{}  (95 % band {nis_low:.3}..{nis_high:.3}, {components} components)", short(*nis_mean, 4));
+        let nees = self.nees.map(|Nees { nees_mean, nees_low, nees_high, rows }| {
+            let mean = short(nees_mean, 4);
+            format!("{mean}  (95 % band of independent rows {nees_low:.3}..{nees_high:.3}, {rows} rows)")
+        });
+        let tails = self.nis_distribution.as_ref().map(|d| {
+            let [share, low, high] = [d.above_95, d.above_95_low, d.above_95_high].map(|share| 100.0 * share);
+            format!("{share:.1} % of rows above their 95 % quantile of NIS (band {low:.1}..{high:.1} %)")
+        });
+        let white = self.whiteness.iter().map(|w| ("white", Some(w.to_string())));
+        let facts = [("NIS", Some(nis)), ("NEES", nees), ("tails", tails)].into_iter().chain(white);
+        facts.filter_map(|(label, fact)| Some((label.to_owned(), fact?))).collect()
+    }
+}
+
 impl fmt::Display for Consistency {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}", self.verdict)?;
-        let Self { nis_low, nis_high, components, .. } = self;
-        let nis_mean = short(self.nis_mean, 4);
-        writeln!(f, "  NIS   {nis_mean}  (95 % band {nis_low:.3}..{nis_high:.3}, {components} components)")?;
-        if let Some(Nees { nees_mean, nees_low, nees_high, rows }) = self.nees {
-            let nees_mean = short(nees_mean, 4);
-            writeln!(
-                f,
-                "  NEES  {nees_mean}  (95 % band of independent rows {nees_low:.3}..{nees_high:.3}, {rows} rows)"
-            )?;
-        }
-        if let Some(NisDistribution { above_95, above_95_low, above_95_high, .. }) = self.nis_distribution {
-            let [share, low, high] = [above_95, above_95_low, above_95_high].map(|share| 100.0 * share);
-            writeln!(f, "  tails {share:.1} % of rows above their 95 % quantile of NIS (band {low:.1}..{high:.1} %)")?;
-        }
-        for w in &self.whiteness {
-            let Whiteness { measurement, band, p_value, autocorrelation, .. } = w;
-            if !w.is_tested() {
-                writeln!(f, "  white {measurement}: too few innovations to tell")?;
-                continue;
-            }
-            let (lag, lags) = (w.lag_1(), autocorrelation.len());
-            write!(f, "  white {measurement}: lag 1 {lag:+.3} (band {band:.3}), Ljung-Box over {lags} lags p ")?;
-            // Below the smallest number of double precision it comes out as 0, which no probability of a test is.
-            if *p_value > 0.0 { writeln!(f, "= {}", significant(*p_value, 3))? } else { writeln!(f, "< 1e-300")? }
-        }
-        for finding in &self.findings {
-            writeln!(f, "  {}: {}", finding.verdict, finding.advice)?;
-        }
-        write!(f, "{}", self.uncertainty)
+        f.write_str(&self.under(Section::untitled("")).text())
     }
 }

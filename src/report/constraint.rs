@@ -4,11 +4,12 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::{Validation, exact, significant};
+use super::document::Section;
 use crate::model::Problem;
+use crate::number::{exact, significant};
 use crate::objective::{Constraint, Relation};
 use crate::study::Outcome;
-use crate::table::Table;
+use crate::table::{Cell, Table};
 
 /// Digits of values.
 const DIGITS: usize = 8;
@@ -110,28 +111,20 @@ pub(super) fn misses(checks: &[ConstraintCheck]) -> Option<String> {
     (!misses.is_empty()).then(|| misses.join(" and "))
 }
 
-/// The values of a check as a person reads them: baseline, tuned.
-pub(super) fn cells(check: &ConstraintCheck) -> [String; 2] {
-    [check.baseline, check.value].map(|value| value.map_or_else(|| "-".to_owned(), |v| significant(v, DIGITS)))
-}
-
-/// Every constraint, on training and on held-out rows where there is a split.
-pub(super) fn table(checks: &[ConstraintCheck], validation: Option<&Validation>) -> Table {
-    let Some(validation) = validation else {
-        let mut table = Table::of(["constraint, in-sample, f64", "baseline", "tuned", "note"]);
-        for check in checks {
-            let [baseline, tuned] = cells(check);
-            table.push([check.to_string(), baseline, tuned, check.note().to_owned()]);
-        }
-        return table;
+/// Every constraint, on training and on held-out rows where there is a split; `None` without one.
+pub(super) fn section(checks: &[ConstraintCheck], held_out: Option<&[ConstraintCheck]>) -> Option<Section> {
+    let head = if held_out.is_some() { "constraint, f64" } else { "constraint, in-sample, f64" };
+    let mut table = Table::of([head, "rows", "baseline", "tuned", "note"]);
+    let mut push = |name: String, rows: &str, check: &ConstraintCheck| {
+        let [baseline, tuned] =
+            [check.baseline, check.value].map(|value| value.map_or("-".into(), |v| Cell::Number(v, DIGITS)));
+        table.push([name.into(), rows.into(), baseline, tuned, check.note().into()]);
     };
-    let mut table = Table::of(["constraint, f64", "rows", "baseline", "tuned", "note"]);
-    for (train, held_out) in checks.iter().zip(&validation.constraints) {
-        let rows = [(train.to_string(), "training", train), (String::new(), "held out", held_out)];
-        for (name, rows, check) in rows {
-            let [baseline, tuned] = cells(check);
-            table.push([name, rows.to_owned(), baseline, tuned, check.note().to_owned()]);
+    for (i, check) in checks.iter().enumerate() {
+        push(check.to_string(), if held_out.is_some() { "training" } else { "" }, check);
+        if let Some(check) = held_out.and_then(|checks| checks.get(i)) {
+            push(String::new(), "held out", check);
         }
     }
-    table
+    (!checks.is_empty()).then(|| Section::untitled("Constraints").with(table))
 }

@@ -72,29 +72,6 @@ pub struct LogFacts {
     pub truth_sha256: String,
 }
 
-/// The result of a study without a usable candidate: what programs read of a [`super::Tuning`] is null.
-#[derive(Debug, Clone, Serialize)]
-#[expect(missing_docs, reason = "as in Tuning")]
-pub struct Nothing {
-    pub parameters: (),
-    pub objectives: (),
-    pub validation: (),
-    pub held_out: (),
-    pub consistency: (),
-    pub consistency_on: (),
-    pub certificate: (),
-    pub constraints: (),
-    pub feasible: (),
-    pub front: (),
-    pub front_summary: (),
-    pub polish: (),
-    pub converged: (),
-    pub gradient_norm: (),
-    pub matrices: (),
-    #[serde(flatten)]
-    pub effort: Effort,
-}
-
 /// Parameters and their objectives.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Scored {
@@ -155,29 +132,6 @@ impl Effort {
             wall_s: outcome.wall_s,
             evaluate_s: outcome.evaluate_s,
             warnings,
-        }
-    }
-
-    /// The result without a usable candidate.
-    #[must_use]
-    pub const fn without_winner(self) -> Nothing {
-        Nothing {
-            effort: self,
-            parameters: (),
-            objectives: (),
-            validation: (),
-            held_out: (),
-            consistency: (),
-            consistency_on: (),
-            certificate: (),
-            constraints: (),
-            feasible: (),
-            front: (),
-            front_summary: (),
-            polish: (),
-            converged: (),
-            gradient_norm: (),
-            matrices: (),
         }
     }
 }

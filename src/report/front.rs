@@ -6,16 +6,19 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::consistency::Band;
-use super::{ConstraintCheck, Named, constraint_checks, exact, short, significant};
+use super::document::Section;
+use super::{ConstraintCheck, Named, constraint_checks};
 use crate::data::Log;
 use crate::model::{Pick, Problem};
+use crate::number::{exact, short, significant};
 use crate::objective::{Kind, Objective};
 use crate::optimize::pareto::dominates;
 use crate::reference;
 use crate::study::{Among, FrontMember, Landmarks, MeanNis, Outcome, Split, scoring_rows};
 use crate::table::{Cell, Table};
+use crate::words::counted;
 
-/// Members that the text report shows.
+/// Members that its table shows.
 const SHOWN: usize = 10;
 /// Parameters that its table has columns for.
 const SHOWN_PARAMETERS: usize = 6;
@@ -221,7 +224,7 @@ impl FrontSummary {
     }
 
     /// How many members can be trusted; nothing where nothing was measured.
-    pub(super) fn consistent_line(&self, members: usize) -> String {
+    fn consistent_line(&self, members: usize) -> String {
         match self.consistent {
             None => String::new(),
             Some(0) => " None is consistent: no mean NIS is in its 95 % band.".to_owned(),
@@ -231,7 +234,7 @@ impl FrontSummary {
     }
 
     /// How the front stands to the user's own candidate.
-    pub(super) fn baseline_line(&self, members: usize) -> String {
+    fn baseline_line(&self, members: usize) -> String {
         match self.dominate_baseline {
             _ if !self.baseline_feasible => "The baseline does not meet every constraint.".to_owned(),
             None => "The baseline fails, so it cannot be compared.".to_owned(),
@@ -243,21 +246,26 @@ impl FrontSummary {
         }
     }
 
-    /// What the text report says of a front.
-    pub(super) fn text(&self, points: &[FrontPoint], validated: bool) -> String {
+    /// All that is said of a front.
+    pub(super) fn section(&self, points: &[FrontPoint], validated: bool) -> Section {
         let recommended = points.iter().find(|p| p.marks.first().is_some_and(|mark| mark == "recommended"));
         let line = recommended.map(|point| self.given_up_line(point)).unwrap_or_default();
         let shown = representatives(points);
         let of = if shown.len() < points.len() { format!(", {} shown", shown.len()) } else { String::new() };
         let rows = if validated { "training rows beside held-out rows" } else { "in-sample" };
-        format!(
-            "Front, {rows}, f64 ({} {}{of}):\n{}\nRecommended: {line}.\n{}{}\n",
-            points.len(),
-            if points.len() == 1 { "member" } else { "members" },
-            table(points, &shown, validated),
-            self.baseline_line(points.len()),
-            self.consistent_line(points.len()),
-        )
+        let meaning = match points {
+            [_] => "One candidate is the best under every objective at once.",
+            _ => {
+                "No candidate is best under every objective. For each of these, no other is as good in every objective and \
+                 better in one. `front.csv` has all of them."
+            }
+        };
+        let (members, consistent) = (points.len(), self.consistent_line(points.len()));
+        Section::new(format!("Front, {rows}, f64 ({}{of})", counted(members, "member")))
+            .on_page(meaning)
+            .with(table(points, &shown, validated))
+            .with(format!("Recommended: {line}."))
+            .with(format!("{}{consistent}", self.baseline_line(members)))
     }
 }
 
@@ -275,41 +283,31 @@ fn representatives(points: &[FrontPoint]) -> Vec<usize> {
     shown
 }
 
-/// Names of the columns of objectives; those of the training rows say so where held-out rows stand beside them.
-pub(super) fn objective_columns(first: &FrontPoint, validated: bool) -> Vec<String> {
-    let named = |rows: &str| first.objectives.iter().map(|(name, _)| format!("{name}{rows}")).collect::<Vec<_>>();
-    if validated { [named(", training"), named(", held out")].concat() } else { named("") }
-}
-
-/// A member's objectives over held-out rows, `-` where its filter fails there; none without a split.
-pub(super) fn held_out_cells(point: &FrontPoint, validated: bool, digits: usize) -> impl Iterator<Item = String> {
-    let cell = move |name: &str| point.held_out.as_ref().and_then(|held_out| held_out.get(name));
-    let text = move |value: Option<&f64>| value.map_or_else(|| "-".to_owned(), |value| significant(*value, digits));
-    point.objectives.iter().filter(move |_| validated).map(move |(name, _)| text(cell(name)))
-}
-
-/// A member's mean NIS.
-pub(super) fn nis_cell(point: &FrontPoint) -> String {
-    point.nis_mean.map_or_else(String::new, |nis| significant(nis, 3))
-}
-
+/// Objectives, on training rows beside held-out rows (`-` where a member's filter fails there), mean NIS, parameters where
+/// they are few, and marks.
 fn table(points: &[FrontPoint], shown: &[usize], validated: bool) -> Table {
-    let names = |named: &Named<f64>| named.iter().map(|(name, _)| name.to_owned()).collect::<Vec<_>>();
     let Some(first) = points.first() else { return Table::default() };
-    let parameters = names(&first.parameters);
-    let with_parameters = parameters.len() <= SHOWN_PARAMETERS;
-    let mut header = objective_columns(first, validated);
-    header.push("NIS".to_owned());
-    header.extend(parameters.into_iter().filter(|_| with_parameters));
-    header.push(String::new());
+    let names =
+        |named: &Named<f64>, rows: &str| named.iter().map(|(name, _)| format!("{name}{rows}")).collect::<Vec<_>>();
+    let with_parameters = first.parameters.iter().len() <= SHOWN_PARAMETERS;
+    let mut heads = names(&first.objectives, if validated { ", training" } else { "" });
+    heads.extend(names(&first.objectives, ", held out").into_iter().filter(|_| validated));
+    heads.push("NIS".to_owned());
+    heads.extend(names(&first.parameters, "").into_iter().filter(|_| with_parameters));
+    heads.push(String::new());
     let row = |i: &usize| {
         let point = &points[*i];
-        let objectives = point.objectives.iter().map(|(_, value)| significant(*value, DIGITS));
-        let objectives = objectives.chain(held_out_cells(point, validated, DIGITS)).chain([nis_cell(point)]);
-        let parameters = point.parameters.iter().filter(|_| with_parameters).map(|(_, value)| short(*value, DIGITS));
-        objectives.chain(parameters).chain([point.marks.join(", ")]).map(Cell::from).collect()
+        let held_out = |name: &str| point.held_out.as_ref().and_then(|held_out| held_out.get(name));
+        let held_out = |(name, _)| held_out(name).map_or("-".into(), |value| Cell::Number(*value, DIGITS));
+        let mut row: Vec<Cell> = point.objectives.iter().map(|(_, value)| Cell::Number(*value, DIGITS)).collect();
+        row.extend(point.objectives.iter().filter(|_| validated).map(held_out));
+        row.push(point.nis_mean.map_or(Cell::Empty, |nis| Cell::Number(nis, 3)));
+        let parameters = point.parameters.iter().filter(|_| with_parameters);
+        row.extend(parameters.map(|(_, value)| Cell::Text(short(*value, DIGITS))));
+        row.push(point.marks.join(", ").into());
+        row
     };
-    Table { rows: shown.iter().map(row).collect(), ..Table::of(header) }
+    Table { rows: shown.iter().map(row).collect(), ..Table::of(heads) }
 }
 
 #[cfg(test)]
@@ -356,7 +354,7 @@ mod tests {
             line.starts_with("knee of the members that are consistent and dominate the baseline: nll 3.2"),
             "{line}"
         );
-        let text = knee.text(&[member], false);
+        let text = knee.section(&[member], false).text();
         assert!(text.ends_with(" 1 of 1 is consistent (mean NIS in its 95 % band).\n"), "{text}");
         let end = summary("best nll", [-5.0, 1e-9], [Some(0.0), Some(4e7)]);
         let line = end.given_up_line(&point(0, [-5.0, 0.04], &["recommended", "best nll"]));
@@ -376,7 +374,7 @@ mod tests {
         assert!(shown.len() <= SHOWN && [0, 41, 99].iter().all(|i| shown.contains(i)), "{shown:?}");
         let widest = shown.windows(2).map(|w| w[1] - w[0]).max().unwrap();
         assert!(widest <= 13, "evenly: {shown:?}");
-        let text = summary("knee", [0.0, 0.0], [None, None]).text(&points, false);
+        let text = summary("knee", [0.0, 0.0], [None, None]).section(&points, false).text();
         assert!(text.starts_with("Front, in-sample, f64 (100 members, 10 shown)"), "{text}");
         assert!(text.contains("recommended, knee"), "{text}");
         assert_eq!(representatives(&points[..1]), [0]);
@@ -397,7 +395,7 @@ mod tests {
         points[1].held_out = Some(Named::new(["nll", "rmse"], [3.5, 4.0]));
         let expected = "q,nll,rmse,held_out.nll,held_out.rmse,nis_mean,marks\n1,1.5,2,,,,best nll\n2,2.5,1,3.5,4,0.95,recommended; knee\n";
         assert_eq!(written(&points), expected);
-        let text = summary("knee", [1.5, 1.0], [None, None]).text(&points, true);
+        let text = summary("knee", [1.5, 1.0], [None, None]).section(&points, true).text();
         assert!(text.starts_with("Front, training rows beside held-out rows, f64 (2 members):"), "{text}");
         let line = |i: usize| text.lines().nth(i).map(|line| line.split_whitespace().collect::<Vec<_>>().join(" "));
         assert_eq!(

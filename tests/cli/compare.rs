@@ -129,7 +129,7 @@ fn the_report_stands_in_the_folder_with_its_pictures() {
         "## Objectives",
         "## Consistency",
         "## Pictures",
-        "## The tuned filter",
+        "## Tuned filter (dt = ",
         "## The search",
         "Certificate:",
         "## Words",
@@ -139,7 +139,7 @@ fn the_report_stands_in_the_folder_with_its_pictures() {
         assert!(plain.contains(part) && held.contains(part), "{part:?} in:\n{plain}");
     }
     assert!(plain.contains("Nothing was held out") && !plain.contains("| held out |"), "{plain}");
-    assert!(held.contains("| held out |") && held.contains("overfit gap") && held.contains(" +- "), "{held}");
+    assert!(held.contains("| held out |") && held.contains("Overfit gap") && held.contains(" +- "), "{held}");
     for (run, report) in [("a", &plain), ("held", &held)] {
         let links: Vec<&str> = report.split("](").skip(1).filter_map(|rest| rest.split(')').next()).collect();
         assert!(links.len() >= 6, "{links:?}");
@@ -180,7 +180,7 @@ fn a_later_run_leaves_nothing_of_an_earlier_one() {
         assert!(names.contains(&there.to_owned()), "{there} in {names:?}");
     }
     assert!(
-        folder.read("out/report.md").contains("**No usable candidate was found**"),
+        folder.read("out/report.md").contains("**No usable candidate was found: "),
         "{}",
         folder.read("out/report.md")
     );

@@ -1,5 +1,7 @@
 //! `kfgpu tune`: the result, its files, its stops.
 
+use std::collections::BTreeSet;
+
 use serde_json::Value;
 
 use crate::command::{Finished, Folder, level_log};
@@ -145,6 +147,9 @@ fn nothing_usable_exits_1_and_says_so_everywhere() {
     assert!(json["parameters"].is_null() && json["objectives"].is_null(), "{json}");
     assert!(json["baseline"]["objectives"].is_null(), "{json}");
     assert_eq!(json["failed"], json["evaluations"]);
+    let keys = |json: &Value| json.as_object().unwrap().keys().cloned().collect::<BTreeSet<String>>();
+    let found = tune(&Folder::with_level(), &["--generations", "1"]);
+    assert_eq!(keys(&json), keys(&found), "what is not there is null");
     assert_eq!(
         folder.names("out"),
         ["checkpoint.kfgpu", "history.csv", "report.md", "result.json"],

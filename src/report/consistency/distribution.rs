@@ -4,8 +4,7 @@ use serde::Serialize;
 use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF};
 
 use super::band::exceedance;
-use super::evidence::RowNis;
-use super::whiteness::number;
+use super::rows::{RowNis, number};
 use super::{Test, TestKind};
 
 /// Bins of the probability integral transform.

@@ -3,8 +3,7 @@
 use serde::Serialize;
 
 use super::band::f_exceedance;
-use super::evidence::{RowNis, Sum};
-use super::whiteness::number;
+use super::rows::{RowNis, Sum, number};
 use super::{Place, Test, TestKind};
 use crate::data::Log;
 

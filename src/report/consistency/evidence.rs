@@ -1,16 +1,14 @@
 //! What a run says about its filter, collected row by row so that no run needs to be kept.
 
 use super::band::Band;
-use super::whiteness::{Whiteness, normalised, number};
+use super::rows::{RowNis, SETTLING, Sum, number};
+use super::whiteness::{Whiteness, normalised};
 use super::{
     Consistency, Nees, NisDistribution, NisOverTime, Uncertainty, Verdict, dominating, findings, mean, over_time,
 };
 use crate::data::Log;
 use crate::model::Problem;
-use crate::reference::Step;
-
-/// Measured rows of each trajectory after which P0 and x0 are taken to be forgotten.
-pub(super) const SETTLING: usize = 20;
+use crate::reference::{Run, Step};
 
 /// The evidence of a run so far. It holds the NIS of each measured row and the normalised innovations, one number per
 /// measured component.
@@ -27,51 +25,6 @@ pub struct Evidence<'a> {
     series: Vec<Vec<Vec<f64>>>,
     /// How many of them are of the first [`SETTLING`] measured rows.
     unsettled: Vec<Vec<usize>>,
-}
-
-/// The NIS of one measured row.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct RowNis {
-    pub(super) trajectory: usize,
-    pub(super) row: usize,
-    pub(super) nis: f64,
-    /// Number of present components.
-    pub(super) components: u32,
-    /// Number of the measured row in its trajectory, from 1.
-    pub(super) number: usize,
-}
-
-impl RowNis {
-    /// Whether it is one of the first [`SETTLING`] measured rows of its trajectory.
-    pub(super) const fn is_first(&self) -> bool {
-        self.number <= SETTLING
-    }
-
-    /// Whether it is one of as many rows after those.
-    pub(super) const fn is_next(&self) -> bool {
-        SETTLING < self.number && self.number <= 2 * SETTLING
-    }
-}
-
-/// A sum with the number of degrees of freedom that it has.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Sum {
-    pub(super) total: f64,
-    pub(super) count: usize,
-}
-
-impl Sum {
-    /// Of the NIS of these rows.
-    pub(super) fn of<'a>(rows: impl IntoIterator<Item = &'a RowNis>) -> Self {
-        let add =
-            |sum: Self, row: &RowNis| Self { total: sum.total + row.nis, count: sum.count + row.components as usize };
-        rows.into_iter().fold(Self::default(), add)
-    }
-
-    /// A mean per degree of freedom; NaN without any.
-    pub(super) fn mean(self) -> f64 {
-        self.total / number(self.count)
-    }
 }
 
 impl<'a> Evidence<'a> {
@@ -201,5 +154,17 @@ impl<'a> Evidence<'a> {
         let band = Band::of(total, number(rows * self.states));
         let nees = Nees { nees_mean: band.mean, nees_low: band.low, nees_high: band.high, rows };
         (rows > 0).then_some(nees)
+    }
+}
+
+impl Consistency {
+    /// Judges the run of `candidate` (searched parameters in their own units) over `log`.
+    #[must_use]
+    pub fn of(problem: &Problem, log: &Log, candidate: &[f64], run: &Run) -> Self {
+        let mut evidence = Evidence::new(problem, log);
+        for (trajectory, steps) in run.trajectories.iter().enumerate() {
+            steps.iter().for_each(|step| evidence.add(trajectory, step));
+        }
+        evidence.judge(problem, candidate)
     }
 }

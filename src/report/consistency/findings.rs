@@ -1,6 +1,6 @@
 //! What the numbers of a filter run say, in words.
 
-use super::evidence::SETTLING;
+use super::rows::SETTLING;
 use super::{
     Consistency, DominatingRow, Finding, JOINT_LEVEL, NisDistribution, NisOverTime, Test, TestKind, Verdict, Whiteness,
 };

@@ -1,8 +1,7 @@
 //! The mean NIS, of the whole log and of its first rows.
 
 use super::band::{Band, f_exceedance, two_sided};
-use super::evidence::{SETTLING, Sum};
-use super::whiteness::number;
+use super::rows::{SETTLING, Sum, number};
 use super::{Test, TestKind};
 
 /// Fewest components after the first rows that tell what these should be like.

@@ -4,8 +4,7 @@ use serde::Serialize;
 use statrs::statistics::{Data, OrderStatistics, RankTieBreaker};
 
 use super::band::exceedance;
-use super::evidence::{RowNis, Sum};
-use super::whiteness::number;
+use super::rows::{RowNis, Sum, number};
 use super::{Place, Test, TestKind};
 use crate::data::Log;
 use crate::report::short;

@@ -1,7 +1,7 @@
 //! The distribution of the Ljung-Box statistic of white noise on logs of any length.
 
 use super::band::{exceedance, f_exceedance};
-use super::whiteness::number;
+use super::rows::number;
 
 /// Q = n (n + 2) sum over the lags k of c_k^2 / (N_k S^2), where c_k sums the N_k products of values k apart and S sums the
 /// squares of all n values: of white normal noise, by its mean and variance.

@@ -13,9 +13,12 @@ use super::curvature::{Axis, Curvature, evaluations};
 use crate::data::Log;
 use crate::evaluate::{CpuEvaluator, CpuOptions, Evaluator, Population};
 use crate::model::{Parameter, Problem, Scale, Search};
+use crate::number::short;
 use crate::objective::{Kind, Objective};
-use crate::report::{Bound, Named, short};
+use crate::report::document::{Part, Section};
+use crate::report::{Bound, Named};
 use crate::study::Coordinates;
+use crate::words::enumerated;
 
 /// Distance to the optimum of `nll` \[standard errors\] up to which its curvature is taken to be that at the optimum.
 const NEAR: f64 = 0.3;
@@ -91,7 +94,7 @@ impl Uncertainty {
             Err(reason) => Self { standard_errors_note: Some(reason), ..Self::default() },
         };
         if uncertainty.standard_errors.is_some() && !held.is_empty() {
-            let note = format!("{} held at the bound", listed(&held));
+            let note = format!("{} held at the bound", enumerated(&held));
             uncertainty.standard_errors_note = Some(note);
         }
         uncertainty
@@ -251,35 +254,30 @@ fn statement(terms: &[(&Free, f64)]) -> String {
         combination += if f.search.scale == Scale::Log { "log " } else { "" };
         combination += &f.parameter.name;
     }
-    format!("{} trade off: {combination} is not determined by this log", listed(&names))
+    format!("{} trade off: {combination} is not determined by this log", enumerated(&names))
 }
 
-/// "a", "a and b", "a, b and c".
-fn listed(names: &[&str]) -> String {
-    match names {
-        [] => String::new(),
-        [one] => (*one).to_owned(),
-        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+impl Uncertainty {
+    /// What is said of it: labels, and what stands after them.
+    pub(super) fn items(&self) -> Vec<(String, String)> {
+        let mut items = Vec::new();
+        if let Some(errors) = &self.standard_errors {
+            let known = errors.iter().filter(|(_, error)| !error.is_nan());
+            let known: Vec<String> = known.map(|(name, error)| format!("{name} {}", short(*error, 3))).collect();
+            let note = self.standard_errors_note.as_ref().map_or_else(String::new, |note| format!(" ({note})"));
+            let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+            items.push(("standard errors (of the rows tuned on):".to_owned(), format!("{known}{note}")));
+        } else if let Some(note) = &self.standard_errors_note {
+            items.push(("standard errors:".to_owned(), format!("none, {note}")));
+        }
+        let flat = self.flat_directions.iter().flatten();
+        items.extend(flat.map(|direction| (String::new(), direction.statement.clone())));
+        items
     }
 }
 
 impl fmt::Display for Uncertainty {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(errors) = &self.standard_errors {
-            let known: Vec<String> = errors
-                .iter()
-                .filter(|(_, error)| !error.is_nan())
-                .map(|(name, error)| format!("{name} {}", short(*error, 3)))
-                .collect();
-            let note = self.standard_errors_note.as_ref().map_or_else(String::new, |note| format!(" ({note})"));
-            let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
-            writeln!(f, "  standard errors (of the rows tuned on): {known}{note}")?;
-        } else if let Some(note) = &self.standard_errors_note {
-            writeln!(f, "  standard errors: none, {note}")?;
-        }
-        for direction in self.flat_directions.iter().flatten() {
-            writeln!(f, "  {}", direction.statement)?;
-        }
-        Ok(())
+        f.write_str(&Section::untitled("").with(Part::List(self.items())).text())
     }
 }

@@ -1,10 +1,14 @@
 //! Whiteness of the innovations.
 
+use std::fmt;
+
 use nalgebra::Cholesky;
 use serde::Serialize;
 
 use super::portmanteau::Portmanteau;
+use super::rows::number;
 use super::{Test, TestKind};
+use crate::number::significant;
 use crate::reference::Update;
 
 /// Most lags tested.
@@ -111,9 +115,17 @@ pub(in crate::report) fn normalised(update: &Update) -> Vec<f64> {
     white.map_or_else(Vec::new, |v| v.as_slice().to_vec())
 }
 
-#[expect(clippy::cast_precision_loss, reason = "no log has 2^53 rows")]
-pub(super) fn number(length: usize) -> f64 {
-    length as f64
+impl fmt::Display for Whiteness {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { measurement, band, p_value, autocorrelation, .. } = self;
+        if !self.is_tested() {
+            return write!(f, "{measurement}: too few innovations to tell");
+        }
+        let (lag, lags) = (self.lag_1(), autocorrelation.len());
+        write!(f, "{measurement}: lag 1 {lag:+.3} (band {band:.3}), Ljung-Box over {lags} lags p ")?;
+        // Below the smallest number of double precision it comes out as 0, which no probability of a test is.
+        if *p_value > 0.0 { write!(f, "= {}", significant(*p_value, 3)) } else { f.write_str("< 1e-300") }
+    }
 }
 
 #[cfg(test)]

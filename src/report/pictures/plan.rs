@@ -1,10 +1,12 @@
 //! A track from above: one state of a place against the other.
 
-use super::run_record::MOST;
 use crate::chart::{Axis, Colour, Figure, Marker, Panel, Stroke, broken};
 use crate::data::{Log, Trajectory};
 use crate::model::{ExprKind, Problem, Symbol};
 use crate::reference::{Estimate, Step};
+
+/// Most states, and most measurements, that are drawn.
+pub(super) const MOST: usize = 6;
 
 /// Rows that are drawn of a longer track, evenly chosen.
 const ROWS: usize = 20_000;

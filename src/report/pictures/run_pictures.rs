@@ -1,7 +1,8 @@
 //! The pictures of one filter run.
 
 use super::extent::{hides_the_rest, lowest_usual, of_course, without_outliers};
-use super::run_record::{MOST, RunRecord};
+use super::plan::MOST;
+use super::run_record::RunRecord;
 use super::track::{MeasurementSeries, StateSeries, Track};
 use crate::chart::{Axis, Colour, Dash, Envelope, Figure, Marker, Panel, Stroke};
 use crate::data::{Log, Origin, SplitBy};

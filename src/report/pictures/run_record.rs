@@ -3,15 +3,12 @@
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::histogram::Histogram;
-use super::plan::Axes;
+use super::plan::{Axes, MOST};
 use super::track::Track;
 use crate::data::{HeldOut, Log, SplitBy};
 use crate::model::{ExprKind, Model, Problem, Symbol};
 use crate::reference::{Estimate, Step, Update};
 use crate::report::consistency::normalised;
-
-/// Most states, and most measurements, that are drawn.
-pub(super) const MOST: usize = 6;
 
 /// A filter run as its pictures need it.
 ///

@@ -1,8 +1,7 @@
 //! One trajectory of a filter run, as its pictures need it.
 
 use super::fan::{DOTS, Fan};
-use super::plan::{Axes, Plan};
-use super::run_record::MOST;
+use super::plan::{Axes, MOST, Plan};
 use crate::chart::{Envelope, longest};
 use crate::data::{Log, Trajectory};
 use crate::reference::{Step, Update};

@@ -1,21 +1,25 @@
 //! The verdict of a study in words, before any table.
 
-use super::plain;
-use crate::report::validation::improvement_text;
+use crate::number::significant;
+use crate::report::document::{Part, Section};
 use crate::report::warnings::missed_on_held_out;
-use crate::report::{ConstraintCheck, Named, Rows, Standing, Tuning, Validation, Verdict, Warning, short, significant};
+use crate::report::{ConstraintCheck, Named, Rows, Standing, Tuning, Validation, Verdict, Warning};
 use crate::words::counted;
 
-/// What was done, what came of it, and whether to use it.
-pub(super) fn of(tuning: &Tuning) -> Option<String> {
-    let parts = [
-        format!("## Verdict\n\n**{}**", recommendation(tuning)),
-        what_was_done(tuning),
-        gain(tuning),
-        held_out(tuning),
-        consistency(tuning),
-    ];
-    Some(parts.join("\n\n"))
+/// What to do, what was done, and what came of it.
+pub(super) fn of(tuning: &Tuning) -> Section {
+    let section = Section::new("Verdict")
+        .on_page(Part::Strong(recommendation(tuning)))
+        .on_page(what_was_done(tuning))
+        .on_page(gain(tuning));
+    let section = match &tuning.validation {
+        Some(_) => section,
+        None => section.on_page(
+            "Nothing was held out: every number here is of the rows that were tuned on, and a filter always looks best on \
+             those.",
+        ),
+    };
+    section.on_page(consistency(tuning))
 }
 
 /// One sentence on what to do, the gravest reason first.
@@ -119,7 +123,7 @@ fn what_was_done(tuning: &Tuning) -> String {
     };
     format!(
         "A Kalman filter estimates states from noisy measurements, and is only as good as the noise it assumes. Here {parameters} \
-         of the filter in `{}` {were} searched on the log `{}`, {rows}, so that {} {} as small as possible. \"Start\" stands \
+         of the filter in `{}` {were} searched on the log `{}`, {rows}, so that {} {} as small as possible. \"Baseline\" stands \
          for the values that the problem file gives, \"tuned\" for the best found.",
         effort.problem,
         effort.log.source,
@@ -134,28 +138,12 @@ fn gain(tuning: &Tuning) -> String {
         let tuned = significant(*tuned, 6);
         match start {
             Some(start) => format!("`{name}` goes from {} to {tuned}", significant(*start, 6)),
-            None => format!("`{name}` is {tuned}, and the filter with the start values fails"),
+            None => format!("`{name}` is {tuned}, and that of the baseline fails"),
         }
     };
     let parts: Vec<String> = tuning.objectives.iter().map(part).collect();
     let on = if tuning.validation.is_some() { "On the rows tuned on, " } else { "On this log, " };
     format!("{on}{} (lower is better).", parts.join("; "))
-}
-
-fn held_out(tuning: &Tuning) -> String {
-    let Some(validation) = &tuning.validation else {
-        return "Nothing was held out: every number here is of the rows that were tuned on, and a filter always looks \
-                best on those."
-            .to_owned();
-    };
-    let gap = |(name, gap): (&str, &Option<f64>)| format!("`{name}` {}", improvement_text(name, *gap));
-    let gaps: Vec<String> = validation.overfit_gap.iter().map(gap).collect();
-    format!(
-        "{} In detail: {}. The overfit gap, the improvement on the rows tuned on less that on the held-out rows, is {}.",
-        validation.sentence(),
-        plain(&validation.to_string()).replace("\\`", "`"),
-        gaps.join("; ")
-    )
 }
 
 fn consistency(tuning: &Tuning) -> String {
@@ -180,12 +168,5 @@ fn consistency(tuning: &Tuning) -> String {
         _ => "see the section on consistency",
     };
     let on = if tuning.consistency_on == Rows::HeldOut { "held-out rows" } else { "the rows tuned on" };
-    format!(
-        "Judged on {on}, the tuned filter is: **{}** ({meaning}). Its mean NIS is {}, and 95 % of right filters have one \
-         between {} and {}.",
-        c.verdict,
-        short(c.nis_mean, 4),
-        short(c.nis_low, 4),
-        short(c.nis_high, 4)
-    )
+    format!("Judged on {on}, the tuned filter is: {} ({meaning}).", c.verdict)
 }

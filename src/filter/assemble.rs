@@ -23,7 +23,8 @@ pub(super) fn assemble(
     family: &dyn Family,
     request: &Request<'_>,
     steps: &[Traces],
-    (partition, initial): (&Partition, &[Id]),
+    partition: &Partition,
+    initial: &[Id],
 ) -> Result<Program, TraceError> {
     let representatives = partition.representatives();
     let slots = Slots::new(steps);

@@ -114,7 +114,8 @@ impl Columns {
         // In the order of their columns, which a map does not keep.
         let columns: BTreeSet<u32> = columns.collect();
         let values = columns.iter().map(|column| self.data[*column as usize].as_slice());
-        let flags: Vec<&[f64]> = values.filter(|values| values.iter().all(|v| *v == 0.0 || *v == 1.0)).collect();
+        let decided = |value: &f64| [0.0_f64, 1.0].map(f64::to_bits).contains(&value.to_bits());
+        let flags: Vec<&[f64]> = values.filter(|values| values.iter().all(decided)).collect();
         self.kinds = Kinds::by_flags(&flags, rows, operations).unwrap_or_default();
         self.kinds.len() > 1
     }

@@ -2,7 +2,9 @@
 
 use super::family::Family;
 use super::form::Carrying;
-use super::gaussian::{Affine, Fuzzy, Gaussian, NoAdaptation, SageHusa, SageHusaR};
+use super::gaussian::Gaussian;
+use super::gaussian::adapt::{Fuzzy, NoAdaptation, SageHusa, SageHusaR};
+use super::gaussian::moments::Affine;
 use crate::model::FilterKind;
 
 /// The filter that a problem asks for.

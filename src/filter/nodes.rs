@@ -10,7 +10,7 @@ use crate::model::{Expr, Start};
 use crate::tape::{Id, Leaf};
 
 /// An affine map: its Jacobian (derived, never typed), and its value at x = 0.
-pub(super) struct Affine {
+pub(super) struct AffineMap {
     /// Rows of it.
     pub(super) jacobian: Vec<Vec<Id>>,
     pub(super) offset: Vec<Id>,
@@ -21,9 +21,9 @@ pub(super) struct Affine {
 /// The model in the problem's own units. Searched parameters are leaves, or the values of one candidate.
 pub(super) struct ModelNodes {
     /// Time update: F, and f(0).
-    pub(super) f: Affine,
+    pub(super) f: AffineMap,
     /// Measurement: H, and h(0).
-    pub(super) h: Affine,
+    pub(super) h: AffineMap,
     /// Covariance of the process noise of one step, n x n.
     pub(super) Q: Symmetric,
     /// Covariance of the measurement noise, m x m.
@@ -78,11 +78,11 @@ fn affine(
     formulas: &[Expr],
     scope: Scope<'_>,
     what: (&'static str, &[String]),
-) -> Result<Affine, TraceError> {
+) -> Result<AffineMap, TraceError> {
     let n = t.problem.model.states.len();
     let variables: Vec<Id> = (0..n).map(|j| t.g.leaf(Leaf::Variable(narrow(j)))).collect();
     let zeros = vec![t.g.constant(0.0); n];
-    let mut affine = Affine { jacobian: vec![], offset: vec![], values: vec![] };
+    let mut affine = AffineMap { jacobian: vec![], offset: vec![], values: vec![] };
     for (formula, name) in formulas.iter().zip(what.1) {
         let value = formula::trace(&mut t.g, formula, Scope { states: &variables, ..scope });
         let row: Vec<Id> = (0..n).map(|j| t.g.differentiate(value, Leaf::Variable(narrow(j)))).collect();

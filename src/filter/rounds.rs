@@ -45,7 +45,7 @@ pub(super) fn trace_rows(
             partition = Some(refined);
             continue;
         }
-        let mut program = assemble(&mut t, family.as_ref(), request, &steps, (&current, &initial))?;
+        let mut program = assemble(&mut t, family.as_ref(), request, &steps, &current, &initial)?;
         if request.watch.is_none() {
             program.positivity = Positivity::new(problem, rows)?;
         }

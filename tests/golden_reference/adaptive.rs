@@ -3,7 +3,8 @@
 //! Row 0 with z: S = 2, K = 1/2, nu = z, x = z / 2, P = 1/2. With b = 1/2, d_1 = 2/3 and d_2 = 4/7.
 
 use kfgpu::data::Log;
-use kfgpu::model::{Expr, FilterKind, Fuzzy, SageHusa, SageHusaR};
+use kfgpu::model::family::{Fuzzy, SageHusa, SageHusaR};
+use kfgpu::model::{Expr, FilterKind};
 use kfgpu::reference::{Cause, Run, run};
 
 use super::support::{Linear, close, log, scalars};

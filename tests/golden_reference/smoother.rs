@@ -3,7 +3,8 @@
 //! adaptive filters too; and for diffuse starts the inverse of the information matrix of all states together.
 
 use kfgpu::data::Log;
-use kfgpu::model::{Expr, FilterKind, First, Fuzzy, Problem, SageHusa, SageHusaR};
+use kfgpu::model::family::{Fuzzy, SageHusa, SageHusaR};
+use kfgpu::model::{Expr, FilterKind, First, Problem};
 use kfgpu::reference::{Estimate, Smoothed, run, smooth};
 use nalgebra::{DMatrix, DVector};
 

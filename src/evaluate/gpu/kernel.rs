@@ -80,7 +80,7 @@ impl Kernel {
             let Some(buffers) = &self.buffers else { continue };
             let mut sums = Sums::new(program, &self.layout, n);
             for round in &self.layout.rounds {
-                gpu.guarded(|| self.dispatch(gpu, (program, round), buffers, part))?;
+                gpu.guarded(|| self.dispatch(gpu, program, round, buffers, part))?;
                 let bytes = self.totals_bytes(round.chunks.len() * self.layout.totals_a_chunk, buffers.stride);
                 gpu.read(&buffers.staging, bytes, |bytes| {
                     sums.add(round, &Totals { bytes, stride: buffers.stride, precision: self.precision });
@@ -145,7 +145,7 @@ impl Kernel {
     }
 
     /// Uploads a part, runs every dispatch of a round over it and copies the totals out.
-    fn dispatch(&self, gpu: &Gpu, (program, round): (&Program, &Round), buffers: &Buffers, part: &[f64]) {
+    fn dispatch(&self, gpu: &Gpu, program: &Program, round: &Round, buffers: &Buffers, part: &[f64]) {
         let n = part.len() / program.parameters().max(1);
         if round.dispatches.start == 0 {
             gpu.queue.write_buffer(&buffers.headers, 0, &self.headers(buffers, n));

@@ -1,12 +1,9 @@
 //! Filters that carry one gaussian: a moment rule, one measurement update, and what adapts Q or R on the way.
 #![expect(non_snake_case, reason = "Kalman notation: F, H, P, Q, R")]
 
-mod adapt;
-mod moments;
+pub(super) mod adapt;
+pub(super) mod moments;
 mod update;
-
-pub(super) use adapt::{Fuzzy, NoAdaptation, SageHusa, SageHusaR};
-pub(super) use moments::Affine;
 
 use super::carried::narrow;
 use super::covariance::{Covariance, Symmetric};
@@ -59,7 +56,7 @@ impl<M: MomentRule, A: Adaptation> Gaussian<M, A> {
 
     /// The time update: x <- E f(x), P <- F P F' + excess + Q.
     fn step(&self, t: &mut Tracer<'_>, row: &Row, State { x, P, .. }: &State, Q: Covariance) -> Stepped {
-        let Moments { fixed, moved, linear, jacobian, excess } = self.rule.through(t, row, Map::Transition, (x, P))?;
+        let Moments { fixed, moved, linear, jacobian, excess } = self.rule.through(t, row, Map::Transition, x, P)?;
         let mut next = Vec::with_capacity(x.len());
         for (linear, (fixed, moved)) in linear.iter().zip(fixed.iter().zip(&moved)) {
             let drift = t.g.add(*fixed, *moved);
@@ -81,7 +78,7 @@ impl<M: MomentRule, A: Adaptation> Gaussian<M, A> {
         R: Symmetric,
     ) -> Result<Measurement, TraceError> {
         let Moments { fixed, moved, linear, jacobian: H, excess } =
-            self.rule.through(t, row, Map::Measurement, (x, P))?;
+            self.rule.through(t, row, Map::Measurement, x, P)?;
         let z = scaled(&mut t.g, &row.z, &t.units.measurements);
         let (mut free, mut nu) = (Vec::with_capacity(z.len()), Vec::with_capacity(z.len()));
         for (i, z) in z.into_iter().enumerate() {

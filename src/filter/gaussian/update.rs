@@ -46,19 +46,20 @@ impl Measurement {
         let mut update = Update { S_diagonal, pivots: vec![], nis: vec![], correction: vec![] };
         // Anchored, each component is held against x as it is by then; else against what moved since the joint innovation.
         let from = if self.anchored { &self.z } else { &self.nu };
-        let (rows, D, gates) = if correlated { self.decorrelate(g, from) } else { self.diagonal(from) };
+        let components = if correlated { self.decorrelate(g, from) } else { self.diagonal(from) };
         let (mut dx, mut P, mut at) = (vec![zero; n], P.clone(), x.to_vec());
-        for ((H, from), (D, gate)) in rows.iter().zip(D.iter().zip(&gates)) {
+        for component in &components {
+            let Component { H, z, D, gate } = component;
             let seen = if self.anchored { &at } else { &dx };
             let moved = g.dot(H.iter().copied().zip(seen.iter().copied()));
-            let innovation = g.sub(*from, moved);
+            let innovation = g.sub(*z, moved);
             let gain = P.update(g, &Scalar { H, D: *D, gate: *gate });
             for (dx, K) in dx.iter_mut().zip(&gain.K) {
                 let moved = g.mul(*K, innovation);
                 *dx = g.add(*dx, moved);
             }
             if self.anchored {
-                anchor(g, (H, *from, *D), (&gain, innovation), &mut at);
+                component.anchor(g, &gain, innovation, &mut at);
             }
             let square = g.mul(innovation, innovation);
             update.pivots.push(gain.S);
@@ -80,15 +81,16 @@ impl Measurement {
         if self.correlated(g) { vec![] } else { rows.map(|(_, present)| *present).collect() }
     }
 
-    /// Uncorrelated components as they are: (H, nu), D = R, gated by their presence.
-    fn diagonal(&self, nu: &[Id]) -> (Decorrelated, Vec<Id>, Vec<Id>) {
-        let rows = self.H.iter().cloned().zip(nu.iter().copied()).collect();
-        (rows, (0..nu.len()).map(|i| self.R.at(i, i)).collect(), self.present.clone())
+    /// Uncorrelated components as they are: D = R, gated by their presence. `z` is what their H x is held against.
+    fn diagonal(&self, z: &[Id]) -> Vec<Component> {
+        let component =
+            |i: usize| Component { H: self.H[i].clone(), z: z[i], D: self.R.at(i, i), gate: self.present[i] };
+        (0..z.len()).map(component).collect()
     }
 
-    /// L^-1 H, L^-1 nu and D of R = L D L', missing components masked out.
-    fn decorrelate(&self, g: &mut Graph, nu: &[Id]) -> (Decorrelated, Vec<Id>, Vec<Id>) {
-        let (m, one) = (nu.len(), g.constant(1.0));
+    /// L^-1 H, L^-1 z and D of R = L D L', missing components masked out.
+    fn decorrelate(&self, g: &mut Graph, z: &[Id]) -> Vec<Component> {
+        let (m, one) = (z.len(), g.constant(1.0));
         let masked = Symmetric::from_fn(m, |i, j| {
             let both = g.mul(self.present[i], self.present[j]);
             let entry = g.mul(both, self.R.at(i, j));
@@ -99,40 +101,48 @@ impl Measurement {
             g.add(entry, absent)
         });
         let (L, D) = masked.ldl_semidefinite(g);
-        let mut rows: Decorrelated = Vec::with_capacity(m);
+        let mut components: Vec<Component> = Vec::with_capacity(m);
         for i in 0..m {
             let mut H: Vec<Id> = self.H[i].iter().map(|h| g.mul(self.present[i], *h)).collect();
-            let mut e = g.mul(self.present[i], nu[i]);
-            for j in 0..i {
-                for (h, earlier) in H.iter_mut().zip(&rows[j].0) {
-                    let part = g.mul(L[i][j], *earlier);
+            let mut z = g.mul(self.present[i], z[i]);
+            for (L, earlier) in L[i].iter().zip(&components) {
+                for (h, earlier) in H.iter_mut().zip(&earlier.H) {
+                    let part = g.mul(*L, *earlier);
                     *h = g.sub(*h, part);
                 }
-                let part = g.mul(L[i][j], rows[j].1);
-                e = g.sub(e, part);
+                let part = g.mul(*L, earlier.z);
+                z = g.sub(z, part);
             }
-            rows.push((H, e));
+            components.push(Component { H, z, D: D[i], gate: one });
         }
-        (rows, D, vec![one; m])
+        components
     }
 }
 
-/// x <- x + K nu, and once more by what rounding left: of the exact x, z - H x is D / S nu.
-fn anchor(g: &mut Graph, (H, z, D): (&[Id], Id, Id), (gain, innovation): (&Gain, Id), x: &mut [Id]) {
-    let moved_by = |g: &mut Graph, x: &mut [Id], by: Id| {
-        for (x, K) in x.iter_mut().zip(&gain.K) {
-            let moved = g.mul(*K, by);
-            *x = g.add(*x, moved);
-        }
-    };
-    moved_by(g, x, innovation);
-    let seen = g.dot(H.iter().copied().zip(x.iter().copied()));
-    let left = g.sub(z, seen);
-    let share = g.mul(D, gain.inverse);
-    let kept = g.mul(share, innovation);
-    let left = g.sub(left, kept);
-    moved_by(g, x, left);
+/// One decorrelated component: z = H x + v with var v = D.
+struct Component {
+    H: Vec<Id>,
+    z: Id,
+    D: Id,
+    /// 1 where it updates, 0 where it is missing.
+    gate: Id,
 }
 
-/// Rows of (H, innovation).
-type Decorrelated = Vec<(Vec<Id>, Id)>;
+impl Component {
+    /// x <- x + K nu, and once more by what rounding left: of the exact x, z - H x is D / S nu.
+    fn anchor(&self, g: &mut Graph, gain: &Gain, innovation: Id, x: &mut [Id]) {
+        let moved_by = |g: &mut Graph, x: &mut [Id], by: Id| {
+            for (x, K) in x.iter_mut().zip(&gain.K) {
+                let moved = g.mul(*K, by);
+                *x = g.add(*x, moved);
+            }
+        };
+        moved_by(g, x, innovation);
+        let seen = g.dot(self.H.iter().copied().zip(x.iter().copied()));
+        let left = g.sub(self.z, seen);
+        let share = g.mul(self.D, gain.inverse);
+        let kept = g.mul(share, innovation);
+        let left = g.sub(left, kept);
+        moved_by(g, x, left);
+    }
+}

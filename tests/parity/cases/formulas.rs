@@ -1,6 +1,6 @@
 //! Typed models: searched parameters everywhere, inputs, ties, factors, singular dynamics, 1 to 8 states.
 
-use crate::case::{ALL, Case, OPTIONS, Single, Text};
+use crate::case::{ALL, Case, OPTIONS, Text};
 use crate::logs::{Gap, Interval, Shape};
 
 const REGULAR: Shape = Shape::regular(&[100]);

@@ -21,7 +21,8 @@ impl MomentRule for Affine {
         t: &mut Tracer<'_>,
         row: &Row,
         map: Map,
-        (x, _): (&[Id], &Covariance),
+        x: &[Id],
+        _: &Covariance,
     ) -> Result<Moments, TraceError> {
         let formulas = of(&row.model, map);
         let offset = match &row.nominal {
@@ -39,7 +40,7 @@ impl MomentRule for Affine {
     }
 }
 
-const fn of(model: &ModelNodes, map: Map) -> &nodes::Affine {
+const fn of(model: &ModelNodes, map: Map) -> &nodes::AffineMap {
     match map {
         Map::Transition => &model.f,
         Map::Measurement => &model.h,
@@ -52,13 +53,13 @@ struct Offset {
     moved: Vec<Id>,
 }
 
-fn absolute(t: &mut Tracer<'_>, map: &nodes::Affine) -> Offset {
+fn absolute(t: &mut Tracer<'_>, map: &nodes::AffineMap) -> Offset {
     Offset { fixed: map.offset.clone(), moved: vec![t.g.constant(0.0); map.offset.len()] }
 }
 
 /// f_theta0(x_nom) is the same for every candidate and is taken in f64, once; what theta changes of it is a difference, which
 /// vanishes where theta does not stand in the formula.
-fn around(t: &mut Tracer<'_>, theta: &nodes::Affine, at: &nodes::Affine, map: Map) -> Offset {
+fn around(t: &mut Tracer<'_>, theta: &nodes::AffineMap, at: &nodes::AffineMap, map: Map) -> Offset {
     let Some(nominal) = t.nominal else { return absolute(t, theta) };
     let n = t.problem.model.states.len();
     let x: Vec<Id> = (0..n).map(|i| t.columns.node(&mut t.g, Key::Nominal(i), || nominal.at(i))).collect();

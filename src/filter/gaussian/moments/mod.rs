@@ -44,11 +44,6 @@ pub(in crate::filter) trait MomentRule {
     ///
     /// # Errors
     /// If the rule does not fit the formulas.
-    fn through(
-        &self,
-        t: &mut Tracer<'_>,
-        row: &Row,
-        map: Map,
-        gaussian: (&[Id], &Covariance),
-    ) -> Result<Moments, TraceError>;
+    fn through(&self, t: &mut Tracer<'_>, row: &Row, map: Map, x: &[Id], P: &Covariance)
+    -> Result<Moments, TraceError>;
 }

@@ -1,7 +1,8 @@
 //! The `[filter]` table.
 
 use super::{SOUND, error};
-use crate::model::{Adapts, FilterKind, Fuzzy, Problem};
+use crate::model::family::Fuzzy;
+use crate::model::{Adapts, FilterKind, Problem};
 
 #[test]
 fn what_adapts_r_needs_a_diagonal_one() {

@@ -1,6 +1,8 @@
 //! Formulas in f64, straight from the tree: postfix order and a stack, so that depth costs memory and not the call stack.
 //! Functions are those of the system and of `libm`, not those of the tape: the reference judges with them.
 
+use std::f64::consts::PI;
+
 use super::{Binary, Expr, ExprKind, Function, Symbol};
 
 impl Expr {
@@ -99,14 +101,41 @@ fn call(function: Function, a: f64, b: f64) -> f64 {
     match function {
         Function::Sqrt => a.sqrt(),
         Function::Exp => a.exp(),
+        Function::Expm1 => a.exp_m1(),
         Function::Ln => a.ln(),
+        Function::Log1p => a.ln_1p(),
+        Function::Log10 => a.log10(),
         Function::Sin => a.sin(),
         Function::Cos => a.cos(),
         Function::Tan => a.tan(),
+        Function::Asin => a.asin(),
+        Function::Acos => a.acos(),
         Function::Atan => a.atan(),
         Function::Atan2 => a.atan2(b),
+        Function::Tanh => a.tanh(),
+        Function::Sinc if a == 0.0 => 1.0,
+        Function::Sinc => a.sin() / a,
+        Function::Cosc if a == 0.0 => 0.0,
+        Function::Cosc => 2.0 * (0.5 * a).sin().powi(2) / a,
+        Function::Wrap => wrap(a),
+        Function::Floor => a.floor(),
+        Function::Round => a.round_ties_even(),
+        Function::Sign if a == 0.0 => 0.0,
+        Function::Sign => a.signum(),
         Function::Abs => a.abs(),
         Function::Min => a.min(b),
         Function::Max => a.max(b),
+        Function::Erf => libm::erf(a),
+        Function::Lgamma if a > 0.0 => libm::lgamma(a),
+        Function::Lgamma => f64::NAN,
     }
+}
+
+/// The angle in [-pi, pi), from its sine and cosine where it is not there already.
+fn wrap(a: f64) -> f64 {
+    if (-PI..PI).contains(&a) {
+        return a;
+    }
+    let angle = a.sin().atan2(a.cos());
+    if angle < PI { angle } else { -PI }
 }

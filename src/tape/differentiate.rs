@@ -53,8 +53,9 @@ mod tests {
             Unary::Ln,
             Unary::Sin,
             Unary::Cos,
-            Unary::Tan,
-            Unary::Atan,
+            Unary::Expm1,
+            Unary::Log1p,
+            Unary::Wrap,
             Unary::Abs,
             Unary::Positive,
         ] {

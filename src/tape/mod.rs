@@ -7,6 +7,7 @@ mod assignment;
 mod calculator;
 mod difference;
 mod differentiate;
+mod elementary;
 mod functions;
 mod graph;
 pub mod lanes;

@@ -37,6 +37,13 @@ pub fn literal(value: f64, precision: Precision) -> Result<String, WgslError> {
     }
 }
 
+/// The functions that a printed tape calls and the language lacks: none, or all of ours, which need `positive` of
+/// `shaders/lib/single.wgsl`.
+#[must_use]
+pub fn functions(printed: &str) -> &'static str {
+    if printed.contains("f_") { concat!("\n", include_str!("../../shaders/lib/functions.wgsl")) } else { "" }
+}
+
 /// Prints a tape. Register `i` is read as `names[i]` until the tape writes it; afterwards it is the `let` that wrote it.
 #[derive(Debug)]
 pub struct Printer<'a> {
@@ -92,8 +99,8 @@ impl Printer<'_> {
         match wgsl {
             Wgsl::Sign if operands.len() == 1 => Ok(format!("{name}{}", operands[0])),
             Wgsl::Sign => Ok(operands.join(&format!(" {name} "))),
-            Wgsl::Single(function) if self.precision == Precision::F64 => {
-                Err(WgslError::NotInF64 { function: function.to_owned() })
+            Wgsl::Single(_) if self.precision == Precision::F64 => {
+                Err(WgslError::NotInF64 { function: name.to_owned() })
             }
             Wgsl::Call(function) | Wgsl::Single(function) => Ok(format!("{function}({})", operands.join(", "))),
         }

@@ -41,6 +41,26 @@ fn devices_names_adapters_and_what_auto_takes() {
     assert!(auto["operations"].as_f64().unwrap() > 1e9 && !auto["why"].as_str().unwrap().is_empty(), "{auto}");
 }
 
+/// Our functions keep their digits on the adapter, and what it has of its own stands beside them.
+#[cfg(feature = "gpu")]
+#[test]
+fn devices_measures_functions() {
+    let folder = Folder::new();
+    if adapter(&folder).is_none() {
+        return;
+    }
+    let json = folder.run(&["devices", "--accuracy", "--json"]).expect(0).json();
+    let text = folder.run(&["devices", "--accuracy"]).expect(0).stdout;
+    for adapter in json.as_array().unwrap() {
+        assert!(text.contains(adapter["adapter"].as_str().unwrap()), "{text}");
+        for row in adapter["functions"].as_array().unwrap() {
+            let error = row["kfgpu"]["absolute"].as_f64().unwrap();
+            assert!(error < 1e-5, "{row}");
+            assert!(text.contains(row["function"].as_str().unwrap()), "{text}");
+        }
+    }
+}
+
 /// Mesa's layer that orders adapters says so where there is no desktop, and nothing of it is an error of ours.
 #[cfg(feature = "gpu")]
 #[test]

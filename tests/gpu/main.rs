@@ -6,8 +6,11 @@
 #![cfg(feature = "gpu")]
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "the table of errors is a result")]
+#![allow(clippy::cast_possible_truncation, reason = "f32 is what kernels compute in")]
 #![allow(clippy::float_cmp, reason = "the same bits are promised")]
 
+#[path = "../functions/budget.rs"]
+mod budget;
 #[path = "../parity/case.rs"]
 #[allow(dead_code, reason = "shared with the parity of the CPU")]
 mod case;
@@ -18,6 +21,7 @@ mod constraints;
 #[allow(dead_code, reason = "shared with the lanes")]
 mod family;
 mod faults;
+mod functions;
 mod grid;
 #[path = "../parity/logs.rs"]
 #[allow(dead_code, reason = "shared with the parity of the CPU")]
@@ -27,6 +31,9 @@ mod parts;
 #[path = "../parity/promise.rs"]
 #[allow(dead_code, reason = "shared with the parity of the CPU")]
 mod promise;
+#[path = "../functions/table.rs"]
+#[allow(dead_code, reason = "shared with the lanes")]
+mod table;
 mod trajectories;
 mod units;
 

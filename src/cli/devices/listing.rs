@@ -32,6 +32,11 @@ impl Listing {
         };
         Self { adapters, auto: Auto { adapter: real, operations: GPU_PAYS, why } }
     }
+
+    /// The adapters by name.
+    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+        self.adapters.iter().map(|adapter| adapter.name.as_str())
+    }
 }
 
 /// Bytes in the largest unit that keeps them whole enough to read.

@@ -3,6 +3,7 @@
 mod adapter;
 mod clock;
 mod device;
+mod functions;
 mod kernel;
 mod layout;
 mod prologue;
@@ -12,6 +13,7 @@ mod upload;
 
 pub use adapter::{AdapterError, AdapterInfo, adapters};
 pub use device::GpuFailure;
+pub use functions::{Functions, Values};
 pub use shader::assemble;
 
 use super::cpu::{CpuEvaluator, beside};

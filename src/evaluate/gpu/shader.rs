@@ -5,7 +5,7 @@ use super::layout::{Layout, numbers_a_row};
 use crate::filter::{Program, Role, Step};
 use crate::precision::Precision;
 use crate::tape::lanes::Lane;
-use crate::tape::wgsl::{Printer, WgslError, literal};
+use crate::tape::wgsl::{Printer, WgslError, functions, literal};
 use std::fmt::Write;
 
 /// A mask of lower bits splits every so many steps.
@@ -36,7 +36,7 @@ pub fn assemble(program: &Program) -> Result<String, GpuError> {
         };
         let block = match marker {
             "types" => parts.types(),
-            "functions" => parts.functions().to_owned(),
+            "functions" => parts.functions().to_owned() + functions(&step),
             "invariants" => parts.invariants(),
             "carried" => parts.carried(),
             "start" => parts.start(),

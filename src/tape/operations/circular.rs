@@ -1,12 +1,23 @@
 //! Functions of angles, and angles of coordinates.
 
+use super::super::elementary::{double, reaching, single};
 use super::{Binary, Graph, Id, One, Two, Unary, Wgsl};
+use std::f64::consts::PI;
+
+/// Beyond the reach of reduction by quarter turns; NaN is not.
+fn far(a: f64) -> bool {
+    a.abs() > double::FAR
+}
+
+fn far_single(a: f32) -> bool {
+    a.abs() > single::FAR
+}
 
 pub(super) const SIN: One = One {
     name: "sin",
-    wgsl: Wgsl::Single("sin"),
-    double: lanes!(|a| a.sin()),
-    single: lanes!(|a| a.sin()),
+    wgsl: Wgsl::Single("f_sin"),
+    double: |lanes| reaching(lanes, double::lanes::sin, far, libm::sin),
+    single: |lanes| reaching(lanes, single::lanes::sin, far_single, |a| libm::sin(f64::from(a)) as f32),
     derivative: |g, _, a, da| {
         let cos = g.unary(Unary::Cos, a);
         g.mul(cos, da)
@@ -22,9 +33,9 @@ pub(super) const SIN: One = One {
 
 pub(super) const COS: One = One {
     name: "cos",
-    wgsl: Wgsl::Single("cos"),
-    double: lanes!(|a| a.cos()),
-    single: lanes!(|a| a.cos()),
+    wgsl: Wgsl::Single("f_cos"),
+    double: |lanes| reaching(lanes, double::lanes::cos, far, libm::cos),
+    single: |lanes| reaching(lanes, single::lanes::cos, far_single, |a| libm::cos(f64::from(a)) as f32),
     derivative: |g, _, a, da| {
         let sin = g.unary(Unary::Sin, a);
         let product = g.mul(sin, da);
@@ -51,50 +62,31 @@ fn twice(g: &mut Graph, a: Id, b: Id) -> Id {
     g.mul(double, b)
 }
 
-pub(super) const TAN: One = One {
-    name: "tan",
-    wgsl: Wgsl::Single("tan"),
-    double: lanes!(|a| a.tan()),
-    single: lanes!(|a| a.tan()),
-    derivative: |g, y, _, da| {
-        let slope = one_plus_product(g, y, y);
-        g.mul(slope, da)
-    },
-    // t (1 + y^2) / (1 - y t) with t the tangent of the delta.
+pub(super) const WRAP: One = One {
+    name: "wrap",
+    wgsl: Wgsl::Single("f_wrap"),
+    double: |lanes| reaching(lanes, double::lanes::wrap, far, wrap_far),
+    single: |lanes| reaching(lanes, single::lanes::wrap, far_single, |a| wrap_far(f64::from(a)) as f32),
+    derivative: |_, _, _, da| da,
+    // The wrapped base moves by alpha, and is wrapped again.
     difference: |g, a, [base, _]| {
-        let t = g.unary(Unary::Tan, a.delta);
-        let (minus, slope) = (g.neg(base), one_plus_product(g, base, base));
-        let (numerator, denominator) = (g.mul(t, slope), one_plus_product(g, minus, t));
-        g.div(numerator, denominator)
+        let moved = g.add(base, a.delta);
+        let moved = g.unary(Unary::Wrap, moved);
+        g.sub(moved, base)
     },
 };
 
-pub(super) const ATAN: One = One {
-    name: "atan",
-    wgsl: Wgsl::Single("atan"),
-    double: lanes!(|a| a.atan()),
-    single: lanes!(|a| a.atan()),
-    derivative: |g, _, a, da| {
-        let denominator = one_plus_product(g, a, a);
-        g.div(da, denominator)
-    },
-    difference: |g, a, _| {
-        let x = one_plus_product(g, a.base, a.value);
-        g.binary(Binary::Atan2, a.delta, x)
-    },
-};
-
-fn one_plus_product(g: &mut Graph, a: Id, b: Id) -> Id {
-    let (one, product) = (g.constant(1.0), g.mul(a, b));
-    g.add(one, product)
+fn wrap_far(a: f64) -> f64 {
+    let angle = libm::atan2(libm::sin(a), libm::cos(a));
+    if angle < PI { angle } else { -PI }
 }
 
 pub(super) const ATAN2: Two = Two {
     name: "atan2",
-    wgsl: Wgsl::Single("atan2"),
+    wgsl: Wgsl::Single("f_atan2"),
     commutes: false,
-    double: lanes!(|a, b| a.atan2(b)),
-    single: lanes!(|a, b| a.atan2(b)),
+    double: double::lanes::atan2,
+    single: single::lanes::atan2,
     derivative: |g, _, [a, b], [da, db]| {
         let (left, right) = (g.mul(b, da), g.mul(a, db));
         let numerator = g.sub(left, right);

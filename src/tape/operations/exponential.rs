@@ -1,12 +1,13 @@
 //! Exponentials, logarithms and powers.
 
+use super::super::elementary::{double, single};
 use super::{Graph, Id, Moved, One, Two, Unary, Wgsl};
 
 pub(super) const EXP: One = One {
     name: "exp",
-    wgsl: Wgsl::Single("exp"),
-    double: lanes!(|a| a.exp()),
-    single: lanes!(|a| a.exp()),
+    wgsl: Wgsl::Single("f_exp"),
+    double: double::lanes::exp,
+    single: single::lanes::exp,
     derivative: |g, y, _, da| g.mul(y, da),
     difference: |g, a, [base, _]| {
         let growth = g.unary(Unary::Expm1, a.delta);
@@ -16,9 +17,9 @@ pub(super) const EXP: One = One {
 
 pub(super) const EXPM1: One = One {
     name: "expm1",
-    wgsl: Wgsl::Single("expm1"),
-    double: lanes!(|a| a.exp_m1()),
-    single: lanes!(|a| a.exp_m1()),
+    wgsl: Wgsl::Single("f_expm1"),
+    double: double::lanes::expm1,
+    single: single::lanes::expm1,
     derivative: |g, y, _, da| {
         let exp = one_plus(g, y);
         g.mul(exp, da)
@@ -31,9 +32,9 @@ pub(super) const EXPM1: One = One {
 
 pub(super) const LN: One = One {
     name: "ln",
-    wgsl: Wgsl::Single("log"),
-    double: lanes!(|a| a.ln()),
-    single: lanes!(|a| a.ln()),
+    wgsl: Wgsl::Single("f_ln"),
+    double: double::lanes::ln,
+    single: single::lanes::ln,
     derivative: |g, _, a, da| g.div(da, a),
     difference: |g, a, _| {
         let share = g.div(a.delta, a.base);
@@ -43,9 +44,9 @@ pub(super) const LN: One = One {
 
 pub(super) const LOG1P: One = One {
     name: "log1p",
-    wgsl: Wgsl::Single("log1p"),
-    double: lanes!(|a| a.ln_1p()),
-    single: lanes!(|a| a.ln_1p()),
+    wgsl: Wgsl::Single("f_log1p"),
+    double: double::lanes::log1p,
+    single: single::lanes::log1p,
     derivative: |g, _, a, da| {
         let sum = one_plus(g, a);
         g.div(da, sum)
@@ -64,10 +65,10 @@ fn one_plus(g: &mut Graph, a: Id) -> Id {
 
 pub(super) const POWER: Two = Two {
     name: "power",
-    wgsl: Wgsl::Single("pow"),
+    wgsl: Wgsl::Single("f_power"),
     commutes: false,
-    double: lanes!(|a, b| a.powf(b)),
-    single: lanes!(|a, b| a.powf(b)),
+    double: lanes!(|a, b| libm::pow(a, b)),
+    single: single::lanes::power,
     derivative: power_rule,
     difference: |g, [a, b], [base, _]| {
         if let Some(exponent) = whole(g, b.value) {

@@ -24,6 +24,7 @@ macro_rules! lanes {
 mod arithmetic;
 mod circular;
 mod exponential;
+mod rounding;
 
 use super::difference::Moved;
 use super::graph::{Graph, Id};
@@ -43,8 +44,11 @@ pub enum Unary {
     Log1p,
     Sin,
     Cos,
-    Tan,
-    Atan,
+    /// The same angle in [-pi, pi).
+    Wrap,
+    Floor,
+    /// The nearest whole number, of two the even one.
+    Round,
     Abs,
     /// a where a > 0, else (and for NaN) 0.
     Positive,
@@ -126,8 +130,9 @@ impl Unary {
             Self::Log1p => &exponential::LOG1P,
             Self::Sin => &circular::SIN,
             Self::Cos => &circular::COS,
-            Self::Tan => &circular::TAN,
-            Self::Atan => &circular::ATAN,
+            Self::Wrap => &circular::WRAP,
+            Self::Floor => &rounding::FLOOR,
+            Self::Round => &rounding::ROUND,
         }
     }
 

@@ -74,48 +74,40 @@ pub struct Report {
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { workload, candidates, rows, dtype, .. } = self;
-        writeln!(f, "workload             {workload}: {candidates} candidates x {rows} rows, {dtype}")?;
-        writeln!(f, "device               {} ({})", self.device, self.isa)?;
-        writeln!(
-            f,
-            "filter-steps/s       {:.3e} (median of {}, best {:.3e})",
-            self.steps_per_s,
-            self.reps,
-            self.best()
-        )?;
-        if let Some(rate) = self.steps_per_cpu_s {
-            writeln!(f, "per CPU-second       {rate:.3e}")?;
+        let Self { workload, candidates, rows, dtype, reps, .. } = self;
+        let best = *candidates as f64 * *rows as f64 / self.min_s;
+        let share = self.share_of_peak.map(|share| format!(", {:.1} % of the limit given", 100.0 * share));
+        let kernels = self.kernel_s.zip(self.kernel_steps_per_s);
+        let check = self.check.zip(self.check_mse).zip(self.check_nis);
+        let lines = [
+            ("workload", Some(format!("{workload}: {candidates} candidates x {rows} rows, {dtype}"))),
+            ("device", Some(format!("{} ({})", self.device, self.isa))),
+            ("filter-steps/s", Some(format!("{:.3e} (median of {reps}, best {best:.3e})", self.steps_per_s))),
+            ("per CPU-second", self.steps_per_cpu_s.map(|rate| format!("{rate:.3e}"))),
+            ("evaluation", Some(format!("{:.6} s", self.median_s))),
+            ("in kernels", kernels.map(|(seconds, rate)| format!("{seconds:.6} s, {rate:.3e} filter-steps/s"))),
+            ("shader and pipeline", self.kernel_build_s.map(|seconds| format!("{seconds:.6} s"))),
+            (
+                "arithmetic",
+                Some(format!(
+                    "{:.2} GFLOP/s, {} flops a step{}",
+                    self.gflops,
+                    self.flops_per_step,
+                    share.unwrap_or_default()
+                )),
+            ),
+            ("trace and prepare", Some(format!("{:.6} s", self.compile_s))),
+            ("peak memory", self.maxrss_mb.map(|peak| format!("{peak} MiB"))),
+            (
+                "candidate 0",
+                check.map(|((check, mse), nis)| {
+                    format!("log-likelihood {check:.6}, mse {mse:.6}, NIS per row {nis:.6}")
+                }),
+            ),
+        ];
+        for (label, value) in lines.into_iter().filter_map(|(label, value)| Some((label, value?))) {
+            writeln!(f, "{label:<20} {value}")?;
         }
-        writeln!(f, "evaluation           {:.6} s", self.median_s)?;
-        self.kernel(f)?;
-        write!(f, "arithmetic           {:.2} GFLOP/s, {} flops a step", self.gflops, self.flops_per_step)?;
-        match self.share_of_peak {
-            Some(share) => writeln!(f, ", {:.1} % of the limit given", 100.0 * share)?,
-            None => writeln!(f)?,
-        }
-        writeln!(f, "trace and prepare    {:.6} s", self.compile_s)?;
-        if let Some(peak) = self.maxrss_mb {
-            writeln!(f, "peak memory          {peak} MiB")?;
-        }
-        if let (Some(check), Some(mse), Some(nis)) = (self.check, self.check_mse, self.check_nis) {
-            writeln!(f, "candidate 0          log-likelihood {check:.6}, mse {mse:.6}, NIS per row {nis:.6}")?;
-        }
-        write!(f, "failed candidates    {}", self.failed)
-    }
-}
-
-impl Report {
-    /// What only an adapter has.
-    fn kernel(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let (Some(seconds), Some(rate)) = (self.kernel_s, self.kernel_steps_per_s) {
-            writeln!(f, "in kernels           {seconds:.6} s, {rate:.3e} filter-steps/s")?;
-        }
-        self.kernel_build_s.map_or(Ok(()), |seconds| writeln!(f, "shader and pipeline  {seconds:.6} s"))
-    }
-
-    /// Filter-steps per second of the fastest evaluation.
-    fn best(&self) -> f64 {
-        self.candidates as f64 * self.rows as f64 / self.min_s
+        write!(f, "{:<20} {}", "failed candidates", self.failed)
     }
 }

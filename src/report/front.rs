@@ -167,21 +167,19 @@ fn consistent_members(outcome: &Outcome) -> Option<usize> {
 /// # Errors
 /// If `out` cannot be written.
 pub fn write_front(points: &[FrontPoint], out: impl Write) -> Result<(), csv::Error> {
-    let mut table = csv::Writer::from_writer(out);
+    let Some(first) = points.first() else { return Ok(()) };
     let validated = points.iter().any(|point| point.held_out.is_some());
-    if let Some(first) = points.first() {
-        let names = first.parameters.iter().chain(first.objectives.iter()).map(|(name, _)| name.to_owned());
-        let held_out = first.objectives.iter().filter(|_| validated).map(|(name, _)| format!("held_out.{name}"));
-        table.write_record(names.chain(held_out).chain(["nis_mean", "marks"].map(str::to_owned)))?;
-    }
+    let heads = first.parameters.iter().chain(first.objectives.iter()).map(|(name, _)| name.to_owned());
+    let held_out = first.objectives.iter().filter(|_| validated).map(|(name, _)| format!("held_out.{name}"));
+    let mut table = Table::of(heads.chain(held_out).chain(["nis_mean", "marks"].map(str::to_owned)));
+    let number = |value: Option<&f64>| value.map_or(Cell::Empty, |v| Cell::Number(*v, DIGITS));
     for point in points {
-        let values = point.parameters.iter().chain(point.objectives.iter()).map(|(_, value)| exact(*value));
-        let held_out = |name| point.held_out.as_ref().and_then(|h| h.get(name)).map_or_else(String::new, |v| exact(*v));
+        let values = point.parameters.iter().chain(point.objectives.iter()).map(|(_, value)| number(Some(value)));
+        let held_out = |name| number(point.held_out.as_ref().and_then(|held_out| held_out.get(name)));
         let held_out = point.objectives.iter().filter(|_| validated).map(|(name, _)| held_out(name));
-        let nis = point.nis_mean.map_or_else(String::new, exact);
-        table.write_record(values.chain(held_out).chain([nis, point.marks.join("; ")]))?;
+        table.push(values.chain(held_out).chain([number(point.nis_mean.as_ref()), point.marks.join("; ").into()]));
     }
-    Ok(table.flush()?)
+    table.write_csv(out)
 }
 
 impl FrontSummary {

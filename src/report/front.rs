@@ -10,7 +10,7 @@ use super::document::Section;
 use super::{ConstraintCheck, Named, constraint_checks};
 use crate::data::Log;
 use crate::model::{Pick, Problem};
-use crate::number::{exact, short, significant};
+use crate::number::{short, significant};
 use crate::objective::{Kind, Objective};
 use crate::optimize::pareto::dominates;
 use crate::reference;

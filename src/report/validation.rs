@@ -124,26 +124,32 @@ impl Validation {
     /// The judgement in one sentence.
     #[must_use]
     pub fn sentence(&self) -> String {
+        let judgement = self.judgement();
+        format!("{}{}.", judgement[..1].to_uppercase(), &judgement[1..])
+    }
+
+    /// The judgement as a clause that starts in lower case.
+    pub(super) fn judgement(&self) -> String {
         let (difference, than) = (&self.difference, self.start_of);
         match (&self.baseline, &self.winner) {
-            (_, None) => "The tuned filter fails on held-out data.".to_owned(),
+            (_, None) => "the tuned filter fails on held-out data".to_owned(),
             (None, Some(_)) => {
-                let fails = than.verb("Your filter fails", "The drafted filter fails");
-                format!("{fails} on held-out data, and the tuned one runs.")
+                let fails = than.verb("your filter fails", "the drafted filter fails");
+                format!("{fails} on held-out data, and the tuned one runs")
             }
             _ if difference.is_trade() => format!(
-                "On held-out data the tuned parameters are better than {than} under one objective and worse under another: \
-                 better in {}, worse in {}.",
+                "on held-out data the tuned parameters are better than {than} under one objective and worse under another: \
+                 better in {}, worse in {}",
                 difference.amounts(Standing::Better),
                 difference.amounts(Standing::Worse)
             ),
             _ => match difference.verdict {
                 Standing::NotToldApart => format!(
-                    "No difference between the tuned parameters and {than} that the held-out rows can tell: {}.",
+                    "no difference between the tuned parameters and {than} that the held-out rows can tell: {}",
                     difference.untold()
                 ),
                 told => format!(
-                    "The tuned parameters are {} than {than} on held-out data: {}.",
+                    "the tuned parameters are {} than {than} on held-out data: {}",
                     if told == Standing::Better { "better" } else { "worse" },
                     difference.amounts(told)
                 ),

@@ -24,15 +24,14 @@ pub(super) fn of(tuning: &Tuning) -> Section {
 
 /// One sentence on what to do, the gravest reason first.
 fn recommendation(tuning: &Tuning) -> String {
-    let validated = tuning.validation.as_ref();
     let keep = tuning.start_of.keep();
-    if validated.is_some_and(|v| v.winner.is_none()) {
-        "Do not use the tuned parameters: the filter fails on data that it was not tuned on.".to_owned()
+    let validated = tuning.validation.as_ref();
+    if let Some(failing) = validated.filter(|v| v.winner.is_none()) {
+        format!("Do not use the tuned parameters: {}.", failing.judgement())
     } else if !tuning.feasible {
         "Do not use the tuned parameters as they are: no candidate meets every constraint.".to_owned()
     } else if let Some(worse) = validated.filter(|v| v.worse) {
-        let by = worse.difference.amounts(Standing::Worse);
-        format!("{keep}: the tuned ones are worse than {} on held-out data: {by}.", tuning.start_of)
+        format!("{keep}: {}.", worse.judgement())
     } else if missed_on_held_out(tuning).is_some() {
         "Check before use: on held-out data the tuned filter misses a constraint that it meets on the rows tuned on."
             .to_owned()
@@ -67,24 +66,20 @@ fn with_gain(tuning: &Tuning, standing: &str) -> String {
 
 /// Of a winner that gains, is consistent on held-out rows and not worse there.
 fn on_held_out(validation: &Validation, standing: &str) -> String {
-    let (difference, than) = (&validation.difference, validation.start_of);
-    if difference.is_trade() {
+    let judgement = validation.judgement();
+    if validation.difference.is_trade() {
         format!(
-            "The tuned parameters {standing}, held-out data show a trade too, and the filter is consistent there: use them if \
-             the trade is what you want."
+            "The tuned parameters {standing}, and the filter is consistent on held-out data: use them if a trade is what you \
+             want, since {judgement}."
         )
-    } else if difference.verdict == Standing::Better {
-        let by = difference.amounts(Standing::Better);
-        let by = if by.is_empty() { String::new() } else { format!(" ({by})") };
+    } else if validation.difference.verdict == Standing::Better {
         format!(
-            "Use the tuned parameters: they are better than {than} on data they were not tuned on{by}, and the filter is \
-             consistent there."
+            "Use the tuned parameters, with which the filter is consistent on data that it was not tuned on: {judgement}."
         )
     } else {
         format!(
-            "The tuned parameters {standing} on the rows tuned on, and the filter is consistent on data they were not tuned on, \
-             which tell no difference from {than} ({}): they may be used.",
-            difference.untold()
+            "The tuned parameters {standing} on the rows tuned on, and may be used: the filter is consistent on data that it \
+             was not tuned on, though there is {judgement}."
         )
     }
 }

@@ -1,11 +1,8 @@
 //! The CPU evaluator: the tape over blocks of candidates, blocks over threads.
 
 use super::block::{Blocks, Rounded, Totals, instruction_set};
-use super::{Backend, Device, Evaluation, Evaluator, Population, Precision, Status, scored, single};
-use crate::data::Log;
-use crate::filter::{Form, Program, TraceError, trace_as};
-use crate::model::Problem;
-use crate::objective::Objective;
+use super::{Backend, Device, Evaluation, Evaluator, Population, Precision, Status, scored};
+use crate::filter::Program;
 use crate::words::counted;
 use rayon::prelude::*;
 use std::num::NonZero;
@@ -28,15 +25,6 @@ impl Default for CpuOptions {
     }
 }
 
-/// Why an evaluator cannot be built.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum BuildError {
-    /// The filter cannot be traced.
-    #[error(transparent)]
-    Trace(#[from] TraceError),
-}
-
 /// Scores populations on the CPU.
 #[derive(Debug)]
 pub struct CpuEvaluator {
@@ -52,72 +40,6 @@ enum Machine {
 }
 
 impl CpuEvaluator {
-    /// An evaluator of the problem's own objectives and constraints.
-    ///
-    /// # Errors
-    /// If the filter cannot be traced.
-    pub fn new(problem: &Problem, log: &Log, options: CpuOptions) -> Result<Self, BuildError> {
-        let program = Self::trace(problem, log, &problem.tune.scorers(), options.precision, None)?;
-        Ok(Self::of_program(program.constrained(&problem.tune.constraints), options.threads))
-    }
-
-    /// An evaluator of other objectives, without constraints.
-    ///
-    /// # Errors
-    /// As [`Self::new`].
-    pub fn with_objectives(
-        problem: &Problem,
-        log: &Log,
-        objectives: &[Objective],
-        options: CpuOptions,
-    ) -> Result<Self, BuildError> {
-        Self::with_form(problem, log, objectives, options, None)
-    }
-
-    /// An evaluator that carries the covariance in a given form, to compare forms.
-    ///
-    /// # Errors
-    /// As [`Self::new`].
-    pub fn with_form(
-        problem: &Problem,
-        log: &Log,
-        objectives: &[Objective],
-        options: CpuOptions,
-        form: Option<Form>,
-    ) -> Result<Self, BuildError> {
-        Ok(Self::of_program(Self::trace(problem, log, objectives, options.precision, form)?, options.threads))
-    }
-
-    /// An evaluator of the problem's own objectives and constraints that shares what `double`, their program in f64, has
-    /// found already: that program itself, or its nominal.
-    ///
-    /// # Errors
-    /// As [`Self::new`].
-    pub fn with_double(
-        problem: &Problem,
-        log: &Log,
-        double: &Program,
-        options: CpuOptions,
-    ) -> Result<Self, BuildError> {
-        Ok(Self::of_program(beside(problem, log, double, options.precision)?, options.threads))
-    }
-
-    fn trace(
-        problem: &Problem,
-        log: &Log,
-        objectives: &[Objective],
-        precision: Precision,
-        form: Option<Form>,
-    ) -> Result<Program, TraceError> {
-        match (precision, form) {
-            (Precision::F64, form) => trace_as(problem, log, objectives, None, form),
-            (Precision::F32, None) => single::program(problem, log, objectives, None),
-            (Precision::F32, form) => {
-                trace_as(problem, log, objectives, Some(single::nominal(problem, log, None)?), form)
-            }
-        }
-    }
-
     /// An evaluator that runs a traced program, in the precision that it is for.
     #[must_use]
     pub fn of_program(program: Program, threads: Option<NonZero<usize>>) -> Self {
@@ -229,20 +151,4 @@ impl Evaluator for CpuEvaluator {
 /// Number of cores this process may use.
 fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, NonZero::get)
-}
-
-/// The program of the problem's own scorers in a precision, from that in f64.
-pub(super) fn beside(
-    problem: &Problem,
-    log: &Log,
-    double: &Program,
-    precision: Precision,
-) -> Result<Program, TraceError> {
-    match precision {
-        Precision::F64 => Ok(double.clone()),
-        Precision::F32 => {
-            let program = single::program(problem, log, &problem.tune.scorers(), Some(double))?;
-            Ok(program.constrained(&problem.tune.constraints))
-        }
-    }
 }

@@ -1,6 +1,7 @@
 //! Evaluators: a whole population in, a cost matrix and a status each out.
 
 mod block;
+mod build;
 mod cpu;
 mod device;
 #[cfg(feature = "gpu")]
@@ -12,7 +13,8 @@ mod single;
 
 pub use crate::population::{Evaluation, Population, Status};
 pub use crate::precision::Precision;
-pub use cpu::{BuildError, CpuEvaluator, CpuOptions};
+pub use build::BuildError;
+pub use cpu::{CpuEvaluator, CpuOptions};
 pub use device::{Adapter, Backend, Device};
 
 use crate::filter::Program;

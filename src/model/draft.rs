@@ -2,6 +2,7 @@
 
 mod cautions;
 mod clockwork;
+mod degrees;
 mod estimate;
 mod layout;
 mod names;
@@ -14,7 +15,7 @@ mod text;
 mod tests;
 
 use crate::data::{DataSpec, Log, LogError, Oddity};
-use cautions::Degrees;
+use degrees::Degrees;
 use estimate::{Axis, Motion};
 use layout::Layout;
 use roles::Roles;
@@ -108,7 +109,7 @@ pub fn draft(log_path: &Path, mut reader: impl Read) -> Result<Draft, LogError> 
     let states = motion.states(&axes);
     data.measurements.truncate(taken);
     data.truth = roles.truth_of(&survey, &states);
-    let degrees = Degrees::of(&survey, &roles, taken);
+    let degrees = Degrees::of(&survey, &roles.candidates[..taken]);
     said.extend(clockwork::say(&survey, &roles, unit.as_ref()));
     said.extend(cautions::inputs(&survey, &roles));
     said.extend(flaws);

@@ -2,7 +2,7 @@
 
 use crate::evaluate::gpu::{Functions, GpuError};
 use crate::model::{Expr, ExprKind, Function, Span};
-use crate::report::TextTable;
+use crate::table::Table;
 use serde::Serialize;
 
 /// Arguments of a function.
@@ -100,7 +100,7 @@ pub(super) fn text(measured: &[Accuracy]) -> String {
         return "no adapter (tried Vulkan, Metal and DX12)\n".to_owned();
     }
     let table = |accuracy: &Accuracy| {
-        let mut table = TextTable::new(["function", "from", "to", "ulp", "absolute", "its own: ulp", "absolute"]);
+        let mut table = Table::of(["function", "from", "to", "ulp", "absolute", "its own: ulp", "absolute"]);
         for row in &accuracy.functions {
             let [ulp, absolute] = row.kfgpu.cells();
             let [own_ulp, own_absolute] = row.adapter.map(Errors::cells).unwrap_or_default();

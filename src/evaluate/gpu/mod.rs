@@ -16,7 +16,8 @@ pub use device::GpuFailure;
 pub use functions::{Functions, Values};
 pub use shader::assemble;
 
-use super::cpu::{CpuEvaluator, beside};
+use super::build::beside;
+use super::cpu::CpuEvaluator;
 use super::{Adapter, Backend, BuildError, Device, Evaluation, Evaluator, Population, Precision, single};
 use crate::data::Log;
 use crate::filter::{Program, trace};

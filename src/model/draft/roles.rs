@@ -1,6 +1,6 @@
 //! Which column is what, by its name first and its content second.
 
-use super::cautions::Degrees;
+use super::degrees::Degrees;
 use super::names::{Input, names_a_counter, names_a_measurement, names_a_time, names_an_input, unit_in};
 use super::survey::{Column, Content, Survey};
 use crate::data::TimeUnit;

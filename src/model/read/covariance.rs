@@ -2,8 +2,9 @@
 
 use toml::de::DeValue;
 
+use super::names::check_name;
 use super::node::Node;
-use super::parameters::{Factor, check_name};
+use super::parameters::Factor;
 use crate::model::error::{Cause, Fault, nearest};
 use crate::model::formula::{FormulaPlace, Names, Scope};
 use crate::model::{Binary, Expr, ExprKind, Symbol};

@@ -3,8 +3,8 @@
 use toml::de::DeValue;
 
 use super::format;
+use super::names::{check_name, limit};
 use super::node::{Fields, Node};
-use super::parameters::check_name;
 use crate::data::{DataSpec, SplitBy, ValidateSpec};
 use crate::model::Span;
 use crate::model::error::{Cause, Fault, nearest};
@@ -106,9 +106,4 @@ pub(super) fn check_truth(document: &Fields<'_>, states: &[String]) -> Result<()
 pub(super) fn input_span(document: &Fields<'_>, i: usize) -> Span {
     let inputs = || document.get("data")?.table("a table", &KEYS).ok()?.get("inputs")?.list("a list").ok();
     inputs().and_then(|list| list.get(i).map(|n| n.span)).unwrap_or_default()
-}
-
-/// Refuses absurd sizes.
-pub(super) fn limit(span: Span, count: usize, what: &'static str, limit: usize) -> Result<(), Fault> {
-    if count > limit { Err(Fault::new(span, Cause::TooMany { count, what, limit })) } else { Ok(()) }
 }

@@ -7,6 +7,7 @@ mod filter;
 mod format;
 mod locate;
 mod model;
+mod names;
 mod node;
 mod objectives;
 mod parameters;

@@ -1,9 +1,10 @@
 //! The `[model]` table: formulas, or a built-in model.
 
 use super::covariance::{self, Axes};
-use super::data::{self, limit};
+use super::data;
+use super::names::{check_name, limit};
 use super::node::{Fields, Node};
-use super::parameters::{Factor, check_name};
+use super::parameters::Factor;
 use crate::data::DataSpec;
 use crate::model::error::{Cause, Fault, nearest};
 use crate::model::formula::{FormulaPlace, Names, Scope};

@@ -1,10 +1,9 @@
 //! The `[parameters]` table, and the elements of factored covariances.
 
-use super::data::limit;
+use super::names::{check_name, limit};
 use super::node::{Fields, Node};
 use crate::model::error::{Cause, Fault, nearest};
-use crate::model::formula::is_name;
-use crate::model::{Function, Parameter, Parameters, Scale, Search, Span, Value};
+use crate::model::{Parameter, Parameters, Scale, Search, Span, Value};
 use crate::words::shorten;
 
 /// Most parameters of a problem.
@@ -62,20 +61,6 @@ pub(super) fn read(fields: Option<&Fields<'_>>, factors: &[Factor]) -> Result<Pa
         return Err(Fault::invalid(node.map_or(Span::default(), |n| n.span), &p.name, problem));
     }
     Ok(Parameters { all })
-}
-
-/// Refuses names that formulas cannot use or that mean something else.
-pub(super) fn check_name(name: &str, span: Span) -> Result<(), Fault> {
-    if !is_name(name) {
-        return Err(Fault::new(span, Cause::BadName { name: shorten(name) }));
-    }
-    let taken = match name {
-        "dt" => "the interval to the next row",
-        "pi" => "the circle constant",
-        _ if Function::ALL.iter().any(|(function, _)| *function == name) => "a function",
-        _ => return Ok(()),
-    };
-    Err(Fault::new(span, Cause::NameTaken { name: shorten(name), taken }))
 }
 
 /// The factors' elements that the file does not declare by themselves, from their templates.

@@ -1,7 +1,7 @@
 //! Registers by liveness.
 
 use super::graph::Id;
-use super::schedule::{Argument, Code, Operation, Output, Tape, TooLarge};
+use super::straight_line::{Argument, Code, Operation, Output, Tape, TooLarge};
 use super::terms::{Term, Terms};
 use std::collections::{HashMap, HashSet};
 

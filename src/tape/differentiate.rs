@@ -37,7 +37,7 @@ impl Graph {
 #[cfg(test)]
 mod tests {
     use super::super::calculator::Calculator;
-    use super::super::operations::{Binary, Unary};
+    use super::super::codes::{Binary, Unary};
     use super::*;
 
     /// Every rule against a central difference.

@@ -1,8 +1,8 @@
 //! The functions of formulas, a row for each: its name, its operands, and the nodes that it becomes. Values, derivatives,
 //! differences and WGSL are those of these nodes ([`super::operations`]).
 
+use super::codes::{Binary, Unary};
 use super::graph::{Graph, Id};
-use super::operations::{Binary, Unary};
 use std::f64::consts::{FRAC_2_SQRT_PI, LOG10_E, TAU};
 
 /// Declares [`Function`] by its rows: variant, name, operands, nodes.

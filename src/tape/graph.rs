@@ -1,6 +1,6 @@
 //! The expression graph: hash-consed scalar nodes, simplified as they are built (see [`super::simplify`]).
 
-use super::operations::{Binary, Unary};
+use super::codes::{Binary, Unary};
 use std::collections::HashMap;
 
 /// A node, by its place in the graph. Operands always come before the node that uses them.

@@ -4,8 +4,8 @@
 //! loops compile to plain vector code for whatever the caller's `#[target_feature]` allows. No operation ever contracts
 //! `a * b + c`, so every instruction set and every block size gives the same bits.
 
-use super::operations::{Binary, Unary};
-use super::schedule::{Argument, Code, Operation, Tape};
+use super::codes::{Binary, Unary};
+use super::straight_line::{Argument, Code, Operation, Tape};
 use std::array::from_fn;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 

@@ -5,24 +5,28 @@
 
 mod assignment;
 mod calculator;
+mod codes;
 mod difference;
 mod differentiate;
 mod elementary;
 mod functions;
 mod graph;
 pub mod lanes;
+mod moved;
 mod operations;
 mod print;
 mod scale;
 mod schedule;
 mod simplify;
+mod straight_line;
 mod terms;
 pub mod wgsl;
 
 pub use calculator::Calculator;
-pub use difference::{Moved, Sum};
+pub use codes::{Binary, Unary};
+pub use difference::Sum;
 pub use functions::Function;
 pub use graph::{Depends, Graph, Id, Leaf, Node};
-pub use operations::{Binary, Unary};
+pub use moved::Moved;
 pub use print::{Counts, Names};
-pub use schedule::{Argument, Code, Operation, Output, Tape, TooLarge};
+pub use straight_line::{Argument, Code, Operation, Output, Tape, TooLarge};

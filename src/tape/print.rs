@@ -1,7 +1,7 @@
 //! Tapes as text, and what they cost.
 
-use super::operations::{Binary, Unary};
-use super::schedule::{Argument, Code, Operation, Tape};
+use super::codes::{Binary, Unary};
+use super::straight_line::{Argument, Code, Operation, Tape};
 use std::fmt::{self, Display, Formatter};
 
 /// Operation counts of a tape.

@@ -1,7 +1,7 @@
 //! Multiplication by powers of two, which rounds nothing.
 
+use super::codes::{Binary, Unary};
 use super::graph::{Graph, Id, Node};
-use super::operations::{Binary, Unary};
 
 impl Graph {
     /// 2^`exponent` a: the same digits, as long as neither leaves the range of normal numbers.

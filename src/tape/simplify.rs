@@ -2,8 +2,8 @@
 //!
 //! `0 * x = 0` assumes that x is finite; a candidate for which it is not has failed anyway.
 
+use super::codes::{Binary, Unary};
 use super::graph::{Graph, Id, Node};
-use super::operations::{Binary, Unary};
 
 impl Graph {
     /// `a + b`.

@@ -1,8 +1,8 @@
 //! From nodes to operations: pairs fused, and the order in which they run.
 
+use super::codes::{Binary, Unary};
 use super::graph::{Graph, Id, Node};
-use super::operations::{Binary, Unary};
-use super::schedule::Code;
+use super::straight_line::Code;
 use std::collections::{HashMap, HashSet};
 
 /// An operation before registers are known.

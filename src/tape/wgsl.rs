@@ -1,7 +1,7 @@
 //! Tapes as WGSL: one `let` an operation.
 
 use super::operations::Wgsl;
-use super::schedule::{Argument, Code, Operation, Tape};
+use super::straight_line::{Argument, Code, Operation, Tape};
 use crate::precision::Precision;
 use std::fmt::Write;
 

@@ -1,9 +1,9 @@
 #![expect(clippy::cast_possible_truncation, reason = "f32 is what is measured")]
 
 use super::super::calculator::Calculator;
+use super::super::codes::Unary;
 use super::super::functions::Function;
 use super::super::lanes::{Register, run_apart};
-use super::super::operations::Unary;
 use super::super::schedule::{Output, Tape};
 use super::*;
 use proptest::prelude::*;

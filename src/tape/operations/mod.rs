@@ -26,47 +26,9 @@ mod circular;
 mod exponential;
 mod rounding;
 
-use super::difference::Moved;
+use super::codes::{Binary, Unary};
 use super::graph::{Graph, Id};
-use super::lanes::Lane;
-
-/// Operations of one operand.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[expect(missing_docs, reason = "the names are the operations")]
-pub enum Unary {
-    Negate,
-    Sqrt,
-    Exp,
-    Ln,
-    /// exp(a) - 1, without its cancellation.
-    Expm1,
-    /// ln(1 + a), without its cancellation.
-    Log1p,
-    Sin,
-    Cos,
-    /// The same angle in [-pi, pi).
-    Wrap,
-    Floor,
-    /// The nearest whole number, of two the even one.
-    Round,
-    Abs,
-    /// a where a > 0, else (and for NaN) 0.
-    Positive,
-}
-
-/// Operations of two operands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[expect(missing_docs, reason = "the names are the operations")]
-pub enum Binary {
-    Add,
-    Subtract,
-    Multiply,
-    Divide,
-    Min,
-    Max,
-    Atan2,
-    Power,
-}
+use super::moved::Moved;
 
 /// Replaces lanes by a function of them.
 type OnLanes<T> = fn(&mut [T]);
@@ -140,7 +102,7 @@ impl Unary {
     #[must_use]
     pub fn apply(self, a: f64) -> f64 {
         let mut lanes = [a];
-        f64::unary(self, &mut lanes);
+        (self.row().double)(&mut lanes);
         lanes[0]
     }
 }
@@ -163,7 +125,7 @@ impl Binary {
     #[must_use]
     pub fn apply(self, a: f64, b: f64) -> f64 {
         let mut lanes = [a];
-        f64::binary(self, &mut lanes, &[b]);
+        (self.row().double)(&mut lanes, &[b]);
         lanes[0]
     }
 }

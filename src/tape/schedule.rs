@@ -49,6 +49,7 @@ impl Tape {
 
 #[cfg(test)]
 mod tests {
+    use super::super::codes::Unary;
     use super::super::graph::Leaf;
     use super::super::lanes::run_one;
     use super::*;

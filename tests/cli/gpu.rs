@@ -4,7 +4,7 @@ use std::io::Write as _;
 
 use serde_json::Value;
 
-use crate::command::{Folder, LEVEL};
+use crate::command::Folder;
 use crate::tune::without_times;
 
 /// What `devices --json` says.

@@ -4,7 +4,7 @@ use super::super::calculator::Calculator;
 use super::super::codes::Unary;
 use super::super::functions::Function;
 use super::super::lanes::{Register, run_apart};
-use super::super::schedule::{Output, Tape};
+use super::super::straight_line::{Output, Tape};
 use super::*;
 use proptest::prelude::*;
 

@@ -199,9 +199,28 @@ fn erf(g: &mut Graph, a: Id) -> Id {
     g.select(inside, near, far)
 }
 
-/// ln Gamma(a) for a > 0, by Stirling's series from 8 on (Abramowitz and Stegun 6.1.41), before that by the recurrence; NaN for
-/// a < 0.
+/// ln Gamma(a), by Stirling's series from 8 on and before that by the recurrence Gamma(a) = Gamma(a + 8) / (a (a + 1) ... (a + 7));
+/// NaN for a <= 0. Both are whole branches, so that a difference across 8 keeps its digits.
 fn lgamma(g: &mut Graph, a: Id) -> Id {
+    let [seven, eight, nine, minus_one] = [7.0, 8.0, 9.0, -1.0].map(|value| g.constant(value));
+    // Bounded beyond where they are used, against overflow; at 8 itself the slope is a's.
+    let (low, high) = (g.binary(Binary::Min, a, nine), g.binary(Binary::Max, a, seven));
+    let product = (1..8).fold(low, |product, k| {
+        let k = g.constant(f64::from(k));
+        let factor = g.add(low, k);
+        g.mul(product, factor)
+    });
+    let product = g.select(a, product, minus_one);
+    let (ln, shifted) = (g.unary(Unary::Ln, product), g.add(low, eight));
+    let far = stirling(g, shifted);
+    let below = g.sub(far, ln);
+    let above = stirling(g, high);
+    let small = g.sub(eight, a);
+    g.select(small, below, above)
+}
+
+/// ln Gamma(a) for a from 8 (Abramowitz and Stegun 6.1.41).
+fn stirling(g: &mut Graph, a: Id) -> Id {
     /// B_2k / (2k (2k - 1)).
     const SERIES: [f64; 8] = [
         1.0 / 12.0,
@@ -213,26 +232,14 @@ fn lgamma(g: &mut Graph, a: Id) -> Id {
         1.0 / 156.0,
         -3617.0 / 122_400.0,
     ];
-    let [one, half, eight, constant] = [1.0, 0.5, 8.0, 0.5 * TAU.ln()].map(|value| g.constant(value));
-    let small = g.sub(eight, a);
-    // Gamma(a) = Gamma(a + 8) / (a (a + 1) ... (a + 7)).
-    let moved = (1..8).fold(a, |product, k| {
-        let k = g.constant(f64::from(k));
-        let factor = g.add(a, k);
-        g.mul(product, factor)
-    });
-    let product = g.select(small, moved, one);
-    let shifted = g.add(a, eight);
-    let z = g.select(small, shifted, a);
-    let inverse = g.div(one, z);
+    let [one, half, constant] = [1.0, 0.5, 0.5 * TAU.ln()].map(|value| g.constant(value));
+    let inverse = g.div(one, a);
     let square = g.mul(inverse, inverse);
     let series = polynomial(g, square, &SERIES);
     let series = g.mul(series, inverse);
-    let (ln, less) = (g.unary(Unary::Ln, z), g.sub(z, half));
+    let (ln, less) = (g.unary(Unary::Ln, a), g.sub(a, half));
     let leading = g.mul(less, ln);
-    let leading = g.sub(leading, z);
+    let leading = g.sub(leading, a);
     let rest = g.add(series, constant);
-    let sum = g.add(leading, rest);
-    let ln_product = g.unary(Unary::Ln, product);
-    g.sub(sum, ln_product)
+    g.add(leading, rest)
 }

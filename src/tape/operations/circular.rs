@@ -68,11 +68,12 @@ pub(super) const WRAP: One = One {
     double: |lanes| reaching(lanes, double::lanes::wrap, far, wrap_far),
     single: |lanes| reaching(lanes, single::lanes::wrap, far_single, |a| wrap_far(f64::from(a)) as f32),
     derivative: |_, _, _, da| da,
-    // The wrapped base moves by alpha, and is wrapped again.
+    // alpha less the turns that the wrapped base makes with it, which are exactly none but at the seam.
     difference: |g, a, [base, _]| {
         let moved = g.add(base, a.delta);
-        let moved = g.unary(Unary::Wrap, moved);
-        g.sub(moved, base)
+        let wrapped = g.unary(Unary::Wrap, moved);
+        let turns = g.sub(moved, wrapped);
+        g.sub(a.delta, turns)
     },
 };
 

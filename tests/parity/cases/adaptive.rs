@@ -33,11 +33,11 @@ x0 = [0, 0, 1, 1]
 P0 = [10, 10, 4, 4]"#;
 
 const SAGE_HUSA: &str = "kind = \"sage-husa\"\nforgetting = \"b\"";
-const SAGE_HUSA_R: &str = "kind = \"sage-husa-r\"\nforgetting = \"b\"\nfloor = \"floor\"";
+const SAGE_HUSA_R: &str = "kind = \"sage-husa-r\"\nforgetting = \"b\"\nfloor = \"least\"";
 const FUZZY: &str = "kind = \"fuzzy\"\nwindow = 6\ngain = \"gain\"\nwidth = \"2*half\"";
 
 const FADING: &str = r#"b = { min = 0.9, max = 1, start = 0.98 }
-floor = { min = 0.05, max = 0.5, scale = "log", start = 0.1 }"#;
+least = { min = 0.05, max = 0.5, scale = "log", start = 0.1 }"#;
 const RULES: &str = r#"gain = { min = 0, max = 0.15, start = 0.1 }
 half = { min = 0.2, max = 1, start = 0.25 }"#;
 
@@ -80,7 +80,7 @@ pub(crate) fn cases() -> Vec<Case> {
 /// leave, at last under a diffuse start, and rules so steep over a window so short that R never settles.
 fn sensitive() -> Vec<Case> {
     let diffuse = CLIMB.replace("P0 = [5, 2, 1]", "P0 = [1e6, 1e6, 1e6]");
-    let low = "b = { min = 0.9, max = 1, start = 0.98 }\nfloor = { min = 0.001, max = 0.01, start = 0.005 }";
+    let low = "b = { min = 0.9, max = 1, start = 0.98 }\nleast = { min = 0.001, max = 0.01, start = 0.005 }";
     let steep = "gain = { min = 0.2, max = 0.5, start = 0.3 }\nhalf = { min = 0.05, max = 0.2, start = 0.1 }";
     let cases = [
         ("sage-husa-r, low floor", SAGE_HUSA_R, CLIMB, low),
@@ -135,7 +135,7 @@ fn failing() -> Vec<Case> {
             "forgetting of R",
             SAGE_HUSA_R,
             level,
-            "b = { min = -0.1, max = 1.1, start = 0.98 }\nfloor = { min = -0.1, max = 1.2, start = 0.1 }",
+            "b = { min = -0.1, max = 1.1, start = 0.98 }\nleast = { min = -0.1, max = 1.2, start = 0.1 }",
         ),
         ("gain", FUZZY, level, "gain = { min = -0.1, max = 0.2, start = 0.1 }\nhalf = 0.25"),
         ("gain of 1", FUZZY, level, "gain = { min = 0.9, max = 1.1, start = 0.95 }\nhalf = 100"),

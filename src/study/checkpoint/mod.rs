@@ -37,7 +37,7 @@ const HEADER: usize = FIXED + 32;
 
 /// Number of the arithmetic: one for each entry under *Numerics* in CHANGELOG.md, by which the bits of some search have
 /// moved. A test compares the two.
-pub const NUMERICS: u32 = 12;
+pub const NUMERICS: u32 = 13;
 
 /// A search that can be resumed, and what it is a search of.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

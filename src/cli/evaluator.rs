@@ -22,7 +22,7 @@ pub(super) const GPU_PAYS: f64 = 2e10;
 
 /// What is said where the program has no GPU evaluator.
 #[cfg(not(feature = "gpu"))]
-const BUILT_WITHOUT: &str =
+pub(super) const BUILT_WITHOUT: &str =
     "this kfgpu was built without its GPU evaluator: use --device cpu, or build it with the feature `gpu`";
 
 /// Sentences for the user that a report repeats. Some come in the middle of a study.

@@ -2,7 +2,7 @@
 
 use super::Status;
 use crate::filter::{Initial, Program, Role, Step};
-use crate::tape::lanes::{Lane, Register, run};
+use crate::tape::lanes::{Lane, Register, run, run_one};
 use multiversion::multiversion;
 use std::sync::Arc;
 
@@ -83,17 +83,30 @@ fn start<T: Lane, const C: usize, const B: usize>(
     }
 }
 
-/// The time loop. Sums are moved to f64 every [`Program::BLOCK`] rows, exponents of products every few.
+/// The time loop, to the last totals.
 #[inline(always)]
 fn run_rows<T: Lane, const C: usize, const B: usize>(
-    Rounded { program, steps }: &Rounded<T>,
+    rounded: &Rounded<T>,
     t: usize,
     registers: &mut [Register<T, C, B>],
     sums: &mut [Register<f64, C, B>],
 ) {
+    let mut exponents = vec![Register::<T, C, B>::splat(T::ZERO); sums.len()];
+    pass_rows(rounded, t, T::STEPS_PER_SPLIT, registers, (&mut exponents, sums));
+    move_sums(&rounded.program, registers, &mut exponents, sums);
+}
+
+/// Passes the rows. Sums are moved to f64 every [`Program::BLOCK`] of them, exponents of products every `split`.
+#[inline(always)]
+fn pass_rows<T: Lane, const C: usize, const B: usize>(
+    Rounded { program, steps }: &Rounded<T>,
+    t: usize,
+    split: usize,
+    registers: &mut [Register<T, C, B>],
+    (exponents, sums): (&mut [Register<T, C, B>], &mut [Register<f64, C, B>]),
+) {
     let mut scalars: Vec<Vec<T>> = program.steps().iter().map(|step| vec![T::ZERO; step.columns()]).collect();
     scalars.iter_mut().zip(steps).for_each(|(scalars, (_, constants))| scalars.extend_from_slice(constants));
-    let mut exponents = vec![Register::<T, C, B>::splat(T::ZERO); sums.len()];
     let mut cursor = program.cursor(t);
     for (k, row) in program.spans()[t].rows.clone().enumerate() {
         let (kind, place) = cursor.next(row);
@@ -101,14 +114,27 @@ fn run_rows<T: Lane, const C: usize, const B: usize>(
         let columns = step.columns();
         scalars[..columns].copy_from_slice(&steps[kind].0[place * columns..(place + 1) * columns]);
         run(&step.tape().operations, registers, scalars);
-        if (k + 1) % T::STEPS_PER_SPLIT == 0 {
-            split_products(program, registers, &mut exponents);
+        if (k + 1) % split == 0 {
+            split_products(program, registers, exponents);
         }
         if (k + 1) % Program::BLOCK == 0 {
-            move_sums(program, registers, &mut exponents, sums);
+            move_sums(program, registers, exponents, sums);
         }
     }
-    move_sums(program, registers, &mut exponents, sums);
+}
+
+/// What the registers of one candidate hold behind the last row of the only trajectory, products split every `split` rows.
+pub(super) fn behind<T: Lane>(rounded: &Rounded<T>, candidate: &[f64], split: usize) -> Vec<Register<T, 1, 1>> {
+    let program = &rounded.program;
+    let mut prologue = candidate.to_vec();
+    run_one(program.prologue(), &mut prologue, &program.spans()[0].scalars);
+    let prologue: Vec<Register<f64, 1, 1>> = prologue.into_iter().map(Register::splat).collect();
+    let mut registers = vec![Register::splat(T::ZERO); program.registers()];
+    start(program, &prologue, &mut registers);
+    let mut exponents = vec![Register::splat(T::ZERO); program.totals()];
+    let mut sums = vec![Register::splat(0.0); program.totals()];
+    pass_rows(rounded, 0, split, &mut registers, (&mut exponents, &mut sums));
+    registers
 }
 
 /// Slots with their register and role, in the order of [`Program::totals`].

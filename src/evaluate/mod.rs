@@ -9,6 +9,7 @@ pub mod gpu;
 
 #[doc(hidden)]
 pub mod mock;
+pub mod probe;
 mod single;
 
 pub use crate::population::{Evaluation, Population, Status};

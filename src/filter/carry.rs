@@ -101,3 +101,14 @@ pub enum Entry {
     /// In a carried register.
     Carried(usize),
 }
+
+impl Entry {
+    /// Its value before a row, from what the registers hold there.
+    #[must_use]
+    pub fn value(self, registers: &[f64]) -> f64 {
+        match self {
+            Self::Constant(value) => value,
+            Self::Carried(register) => registers[register],
+        }
+    }
+}

@@ -22,9 +22,8 @@ impl Display for Program {
                 _ => format!("step {kind}, in {} of the rows", step.rows()),
             };
             writeln!(f, "# {rows}: {}; {} registers", step.tape().counts(), step.tape().registers)?;
-            let names = Names { registers: &registers, scalars: &step.scalar_names() };
-            for operation in &step.tape().operations {
-                writeln!(f, "    {}", names.line(operation))?;
+            for line in self.lines(step) {
+                writeln!(f, "    {line}")?;
             }
         }
         Ok(())
@@ -67,8 +66,16 @@ impl Program {
         Ok(())
     }
 
+    /// The operations of a step as text.
+    #[must_use]
+    pub fn lines(&self, step: &Step) -> Vec<String> {
+        let names = Names { registers: &self.register_names(), scalars: &step.scalar_names() };
+        step.tape().operations.iter().map(|operation| names.line(operation)).collect()
+    }
+
     /// Names of the carried registers and the invariants.
-    fn register_names(&self) -> Vec<String> {
+    #[must_use]
+    pub fn register_names(&self) -> Vec<String> {
         let invariants = (0..self.invariants()).map(|i| format!("i{i}"));
         self.carried().iter().map(|c| c.name.clone()).chain(invariants).collect()
     }

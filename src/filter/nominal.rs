@@ -24,6 +24,12 @@ impl Nominal {
         Self { states, ..self }
     }
 
+    /// The states at a row of the record.
+    #[must_use]
+    pub fn row(&self, row: usize) -> &[f64] {
+        &self.states[row * self.n..(row + 1) * self.n]
+    }
+
     /// State `i` at every row.
     pub(super) fn at(&self, i: usize) -> Vec<f64> {
         self.states.iter().skip(i).step_by(self.n).copied().collect()

@@ -43,6 +43,20 @@ pub fn trace_as(
     nominal: Option<Nominal>,
     form: Option<Form>,
 ) -> Result<Program, TraceError> {
+    Ok(trace_around(problem, log, objectives, nominal, form)?.0)
+}
+
+/// [`trace_as`], and the nominal that the program deviates from: after a long gap not the one that was given.
+///
+/// # Errors
+/// As [`trace`].
+pub(crate) fn trace_around(
+    problem: &Problem,
+    log: &Log,
+    objectives: &[Objective],
+    nominal: Option<Nominal>,
+    form: Option<Form>,
+) -> Result<(Program, Option<Nominal>), TraceError> {
     check_columns(problem, log)?;
     let rows = Rows::new(problem, log);
     let mut columns = Columns::default();
@@ -57,7 +71,8 @@ pub fn trace_as(
         None => nominal,
     };
     let request = Request { objectives, nominal: nominal.as_ref(), carrying, units: &units, watch: None };
-    trace_rows(problem, &rows, &mut columns, &request)
+    let program = trace_rows(problem, &rows, &mut columns, &request)?;
+    Ok((program, nominal))
 }
 
 /// Values are found by their place: measurements and inputs of the log are those of the model, in its order.

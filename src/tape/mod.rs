@@ -18,6 +18,7 @@ mod print;
 mod scale;
 mod schedule;
 mod simplify;
+mod size;
 mod straight_line;
 mod terms;
 pub mod wgsl;

@@ -46,9 +46,20 @@ struct Buffers {
 impl Kernel {
     /// Assembles, validates and compiles the kernel, and uploads the record.
     pub(super) fn new(gpu: &Gpu, program: &Program, options: &GpuOptions, baseline: &[f64]) -> Result<Self, GpuError> {
-        let precision = program.precision();
         let layout = Layout::grouped(program, options.largest_group.unwrap_or(usize::MAX));
-        let source = shader::assemble(program)?;
+        Self::of(gpu, program, options, baseline, layout)
+    }
+
+    /// The kernel of a program that lies in memory like this.
+    pub(super) fn of(
+        gpu: &Gpu,
+        program: &Program,
+        options: &GpuOptions,
+        baseline: &[f64],
+        layout: Layout,
+    ) -> Result<Self, GpuError> {
+        let precision = program.precision();
+        let source = shader::print(program, &layout)?;
         let (record_bytes, limit) =
             (upload::record_bytes(gpu, &layout), gpu.limits.max_buffer_size.min(u32::MAX.into()));
         if record_bytes > limit {
@@ -96,6 +107,23 @@ impl Kernel {
             parts.push((costs, status));
         }
         Ok((scored(program, parts), time))
+    }
+
+    /// What the kernel of a [traced](Layout::traced) layout stores of one candidate: what is carried into the last row, then the
+    /// values of its step.
+    pub(super) fn trace(&mut self, gpu: &Gpu, program: &Program, candidate: &[f64]) -> Result<Vec<f64>, GpuFailure> {
+        self.prepare(gpu, program, 1)?;
+        let mut traced = Vec::new();
+        for (round, buffers) in self.layout.rounds.iter().zip(self.buffers.iter().cycle()) {
+            gpu.guarded(|| self.dispatch(gpu, (program, round), buffers, candidate))?;
+            let first = round.chunks.len() * self.layout.totals_a_chunk;
+            let bytes = self.totals_bytes(first + self.layout.traced, buffers.stride);
+            gpu.read(&buffers.staging, bytes, |bytes| {
+                let totals = Totals { bytes, stride: buffers.stride, precision: self.precision };
+                traced = (0..self.layout.traced).map(|row| totals.at(first + row, 0)).collect();
+            })?;
+        }
+        Ok(traced)
     }
 
     fn totals_bytes(&self, rows: usize, stride: usize) -> u64 {
@@ -155,7 +183,7 @@ impl Kernel {
                 gpu.queue.write_buffer(&buffers.prologue, 0, bytes);
             });
         }
-        let rows = round.chunks.len() * self.layout.totals_a_chunk;
+        let rows = round.chunks.len() * self.layout.totals_a_chunk + self.layout.traced;
         let dispatches: Vec<usize> = round.dispatches.clone().collect();
         let submissions = dispatches.chunks(DISPATCHES_A_SUBMISSION);
         let last = submissions.len().saturating_sub(1);

@@ -110,6 +110,9 @@ pub(super) struct Layout {
     pub(super) varying: usize,
     /// Carried states whose initial value does not.
     pub(super) uniform: usize,
+    /// Rows behind the totals of a round for what is carried into the last row of a trajectory and every value of its step;
+    /// 0 where nobody looks.
+    pub(super) traced: usize,
 }
 
 impl Layout {
@@ -120,6 +123,12 @@ impl Layout {
 
     pub(super) fn new(program: &Program) -> Self {
         Self::grouped(program, usize::MAX)
+    }
+
+    /// With room for what the last row leaves.
+    pub(super) fn traced(program: &Program) -> Self {
+        let operations = program.steps().iter().map(|step| step.tape().operations.len()).max().unwrap_or(0);
+        Self { traced: program.carried().len() + operations, ..Self::new(program) }
     }
 
     /// With at most `largest` trajectories in a dispatch.
@@ -150,6 +159,7 @@ impl Layout {
             totals_a_chunk,
             varying,
             uniform,
+            traced: 0,
         }
     }
 
@@ -177,9 +187,9 @@ impl Layout {
         size_of::<Entry>() + 16 * self.starts()
     }
 
-    /// Rows of the totals buffer: enough for every round.
+    /// Rows of the totals buffer: enough for every round, and what is traced.
     pub(super) fn totals_rows(&self) -> usize {
-        self.rounds.iter().map(|round| round.chunks.len()).max().unwrap_or(0) * self.totals_a_chunk
+        self.rounds.iter().map(|round| round.chunks.len()).max().unwrap_or(0) * self.totals_a_chunk + self.traced
     }
 
     /// Varying initial states of the round that has most.

@@ -6,6 +6,7 @@ mod device;
 mod functions;
 mod kernel;
 mod layout;
+mod probe;
 mod prologue;
 mod shader;
 mod totals;
@@ -14,6 +15,7 @@ mod upload;
 pub use adapter::{AdapterError, AdapterInfo, adapters};
 pub use device::GpuFailure;
 pub use functions::{Functions, Values};
+pub use probe::probe;
 pub use shader::assemble;
 
 use super::build::beside;

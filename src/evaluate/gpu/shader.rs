@@ -19,13 +19,21 @@ const SKELETON: &str = include_str!("../../../shaders/filter.wgsl");
 /// # Errors
 /// If the step needs a function that the number format lacks, or a row of the record is too wide for a kernel.
 pub fn assemble(program: &Program) -> Result<String, GpuError> {
-    let (layout, precision) = (Layout::new(program), program.precision());
+    print(program, &Layout::new(program))
+}
+
+/// The WGSL of a program that lies in memory like this.
+///
+/// # Errors
+/// As [`assemble`].
+pub(super) fn print(program: &Program, layout: &Layout) -> Result<String, GpuError> {
+    let precision = program.precision();
     if !layout.fits() {
         let limit = Layout::RECORD / Program::BLOCK * Layout::width(precision);
         return Err(GpuError::TooWide { columns: numbers_a_row(program), limit });
     }
-    let step = steps(program)?;
-    let parts = Parts { program, precision, layout: &layout };
+    let step = steps(program, layout)?;
+    let parts = Parts { program, precision, layout };
     let mut text = String::with_capacity(SKELETON.len() + 2 * step.len());
     for line in SKELETON.lines() {
         let indent = &line[..line.len() - line.trim_start().len()];
@@ -58,15 +66,15 @@ pub fn assemble(program: &Program) -> Result<String, GpuError> {
 }
 
 /// The steps: the only one, or the one that the row's first number names.
-fn steps(program: &Program) -> Result<String, WgslError> {
+fn steps(program: &Program, layout: &Layout) -> Result<String, WgslError> {
     if let [only] = program.steps() {
-        return step(program, only, 0);
+        return step(program, layout, only, 0);
     }
     let mut text = format!("switch u32({}) {{\n", column(0, program.precision()));
     for (kind, of) in program.steps().iter().enumerate() {
         let case = if kind + 1 == program.steps().len() { "default".to_owned() } else { format!("case {kind}u") };
         let _ = writeln!(text, "    {case}: {{");
-        step(program, of, 1)?.lines().for_each(|line| {
+        step(program, layout, of, 1)?.lines().for_each(|line| {
             let _ = writeln!(text, "        {line}");
         });
         text.push_str("    }\n");
@@ -75,7 +83,7 @@ fn steps(program: &Program) -> Result<String, WgslError> {
 }
 
 /// A step whose columns begin at number `first` of a row, and the assignments that carry its results to the next row.
-fn step(program: &Program, step: &Step, first: usize) -> Result<String, WgslError> {
+fn step(program: &Program, layout: &Layout, step: &Step, first: usize) -> Result<String, WgslError> {
     let precision = program.precision();
     let invariants = (0..program.invariants()).map(|i| format!("i{i}"));
     let registers: Vec<String> = (0..program.carried().len()).map(|i| format!("c{i}")).chain(invariants).collect();
@@ -84,12 +92,26 @@ fn step(program: &Program, step: &Step, first: usize) -> Result<String, WgslErro
     let scalars: Vec<String> = columns.chain(constants).collect::<Result<_, _>>()?;
     let printer = Printer { precision, registers: &registers, scalars: &scalars };
     let (mut text, names) = printer.print(step.tape())?;
+    if layout.traced > 0 {
+        text += &trace(program.carried().len(), step.tape().operations.len(), layout);
+    }
     for (i, register) in registers.iter().enumerate().take(program.carried().len()) {
         if names[i] != *register {
             let _ = writeln!(text, "{register} = {};", names[i]);
         }
     }
     Ok(text)
+}
+
+/// Stores what the last row of a trajectory begins with, and the values of its step.
+fn trace(carried: usize, operations: usize, layout: &Layout) -> String {
+    let values = (0..carried).map(|i| format!("c{i}")).chain((0..operations).map(|i| format!("v{i}")));
+    let begin = format!("let traced = chunks[chunk].totals + {}u;\n", layout.totals_a_chunk);
+    let stores = values.enumerate().fold(begin, |mut text, (i, value)| {
+        let _ = writeln!(text, "totals[(traced + {i}u) * stride + candidate] = {value};");
+        text
+    });
+    format!("if (row + 1u == rows && chunks[chunk].last == 1u) {{\n{stores}}}\n")
 }
 
 /// Column `c` of the row at hand.

@@ -14,7 +14,8 @@ pub(super) struct Totals<'a> {
 }
 
 impl Totals<'_> {
-    fn at(&self, row: usize, candidate: usize) -> f64 {
+    /// What a candidate has in a row.
+    pub(super) fn at(&self, row: usize, candidate: usize) -> f64 {
         let i = row * self.stride + candidate;
         let read = |size: usize| &self.bytes[i * size..(i + 1) * size];
         match self.precision {

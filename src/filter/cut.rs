@@ -1,0 +1,74 @@
+//! A program as whoever looks at one row of it needs it: cut to the rows up to there, and what its registers say of the state.
+
+use super::carry::Entry;
+use super::covariance::Symmetric;
+use super::form::Form;
+use super::program::{Program, Span, Step};
+
+impl Program {
+    /// The same for the first `rows` rows of trajectory `t` alone, or as many as that has.
+    ///
+    /// # Panics
+    /// If there is no such trajectory.
+    #[must_use]
+    pub fn cut(&self, t: usize, rows: usize) -> Self {
+        let span = &self.spans[t];
+        let rows = span.rows.start..span.rows.end.min(span.rows.start.saturating_add(rows));
+        let mut after = span.before.clone();
+        rows.clone().for_each(|row| after[self.kind(row)] += 1);
+        let step = |(kind, step): (usize, &Step)| {
+            let own = span.before[kind]..after[kind];
+            let record = step.record[own.start * step.columns..own.end * step.columns].to_vec();
+            Step { record: record.into(), rows: own.len(), ..step.clone() }
+        };
+        let kinds = self.kinds.get(rows.clone()).map_or_else(Vec::new, <[u8]>::to_vec);
+        let before = vec![0; self.steps.len()];
+        Self {
+            steps: self.steps.iter().enumerate().map(step).collect(),
+            kinds,
+            spans: vec![Span { rows: 0..rows.len(), scalars: span.scalars.clone(), before }],
+            ..self.clone()
+        }
+    }
+
+    /// The prior of a row from what the registers hold before it, in the problem's own units: n states, then the upper
+    /// triangle of P row by row, multiplied out where factors are carried. In the deviation form `nominal` holds the n
+    /// states of the nominal at that row; else it is empty.
+    #[must_use]
+    pub fn prior(&self, registers: &[f64], nominal: &[f64]) -> Vec<f64> {
+        let units = &self.units.states;
+        let nominal = nominal.iter().copied().chain(std::iter::repeat(0.0));
+        let x = self.entries.iter().zip(units).zip(nominal);
+        let x = x.map(|((entry, unit), nominal)| nominal + entry.value(registers) * 2.0_f64.powi(*unit));
+        let places = Symmetric::places(units.len()).zip(self.covariance(registers));
+        x.chain(places.map(|((i, j), p)| p * 2.0_f64.powi(units[i]) * 2.0_f64.powi(units[j]))).collect()
+    }
+
+    /// The carried states with their standard deviations before a row, as its registers hold them.
+    #[must_use]
+    pub fn spreads(&self, registers: &[f64]) -> Vec<(usize, f64)> {
+        let n = self.units.states.len();
+        let places = Symmetric::places(n).zip(self.covariance(registers));
+        let variances = places.filter(|((i, j), _)| i == j).map(|(_, p)| p.max(0.0));
+        let spread = |(entry, variance): (&Entry, f64)| match entry {
+            Entry::Constant(_) => None,
+            Entry::Carried(register) => Some((*register, variance.sqrt())),
+        };
+        self.entries.iter().zip(variances).filter_map(spread).collect()
+    }
+
+    /// The upper triangle of P in the units of the steps.
+    fn covariance(&self, registers: &[f64]) -> Vec<f64> {
+        let n = self.units.states.len();
+        let mut carried = vec![0.0; n * n];
+        let entries = Symmetric::places(n).zip(&self.entries[n..]);
+        entries.for_each(|((i, j), entry)| carried[i * n + j] = entry.value(registers));
+        // U has ones on its diagonal, where D stands in what is carried.
+        let u = |i: usize, k: usize| if i == k { 1.0 } else { carried[i * n + k] };
+        let p = |(i, j): (usize, usize)| match self.carrying.form {
+            Form::Full => carried[i * n + j],
+            Form::Factored => (j..n).map(|k| u(i, k) * carried[k * n + k] * u(j, k)).sum(),
+        };
+        Symmetric::places(n).map(p).collect()
+    }
+}

@@ -1,4 +1,4 @@
-//! `kfgpu filter`, `simulate`, `init`, `tape`.
+//! `kfgpu filter`, `simulate`, `init`.
 
 use crate::command::Folder;
 
@@ -90,19 +90,6 @@ fn a_reader_that_leaves_early_is_no_error() {
 fn a_table_cannot_be_written_over_a_folder() {
     let message = Folder::with_level().run(&["filter", "problem.toml", "--out", "."]).refusal();
     assert!(message.contains("folder"), "{message}");
-}
-
-#[test]
-fn the_tape_and_its_counts() {
-    let tape = Folder::with_level().run(&["tape", "problem.toml", "--quiet"]).expect(0).stdout;
-    let head = tape.lines().next().unwrap();
-    // Measurements change from row to row, dt does not. Carried are x, P, and of nll a sum and a product.
-    assert_eq!(head, "# 60 rows, 1 columns a row, 2 searched parameters, 4 carried, 2 invariants");
-    let mut step = tape.lines().skip_while(|line| !line.starts_with("# step, once a row: "));
-    // nu = z - x, S = P + R, 1 / S, K = P / S, x + K nu, R / S, P R / S + Q, nu^2, a sum of nu^2 / S, a product of S.
-    let counts = "13 flops (1 divisions), 1 comparisons and functions, 0 copies; 10 operations";
-    assert!(step.next().unwrap().contains(counts), "{tape}");
-    assert_eq!(step.take_while(|line| line.starts_with("    ")).count(), 10, "{tape}");
 }
 
 #[test]

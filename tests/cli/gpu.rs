@@ -13,7 +13,7 @@ fn devices(folder: &Folder) -> Value {
 }
 
 /// The adapter to test on; `KFGPU_TEST_GPU` as in tests/gpu.
-fn adapter(folder: &Folder) -> Option<String> {
+pub(crate) fn adapter(folder: &Folder) -> Option<String> {
     let policy = std::env::var("KFGPU_TEST_GPU").unwrap_or_default();
     let name = devices(folder)["adapters"][0]["name"].as_str().map(str::to_owned).filter(|_| policy != "off");
     assert!(name.is_some() || policy != "require", "KFGPU_TEST_GPU=require and there is no adapter");

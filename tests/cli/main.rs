@@ -23,5 +23,6 @@ mod output;
 mod reproduce;
 #[cfg(unix)]
 mod signals;
+mod tape;
 mod tune;
 mod validation;

@@ -23,7 +23,10 @@ fn wrong(probe: &Probe, adapter: &Machine) -> String {
     let Some((operation, share)) = probe.wrong(&adapter.seen) else { return String::new() };
     let line = &probe.program().lines(probe.step().0)[operation];
     let share = significant(share, 2);
-    format!("The {} gets `{line}` wrong: {share} of its largest term, from operands of its own.\n", adapter.name)
+    format!(
+        "The {} gets `{line}` wrong, by {share} of its largest term: its operands, as it has them, give another result.\n",
+        adapter.name
+    )
 }
 
 /// Where one run parts from another.

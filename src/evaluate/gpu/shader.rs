@@ -248,3 +248,40 @@ impl Parts<'_> {
 fn lines(items: impl IntoIterator<Item = usize>, line: impl FnMut(usize) -> String) -> String {
     items.into_iter().map(line).collect::<Vec<_>>().join("\n")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::filter::trace;
+    use crate::model::Problem;
+    use naga::valid::{Capabilities, ValidationFlags, Validator};
+    use std::path::Path;
+
+    /// A kernel that is looked into is the kernel, with lines that store.
+    #[test]
+    fn a_traced_kernel_is_the_same_but_for_its_stores() {
+        let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/matlab_plant.toml"));
+        let text = text.unwrap().replace("steps = 500", "steps = 90\nmissing = 0.2");
+        let problem = Problem::parse(&text, "plant.toml").unwrap();
+        let log = crate::simulate::simulate(&problem, None).unwrap();
+        let program = trace(&problem, &log, &problem.tune.scorers(), None).unwrap();
+        assert_eq!(program.steps().len(), 2, "kinds of rows");
+        let traced = print(&program, &Layout::traced(&program)).unwrap();
+        let module = naga::front::wgsl::parse_str(&traced).unwrap();
+        Validator::new(ValidationFlags::all(), Capabilities::FLOAT64).validate(&module).unwrap();
+        let stores = |line: &&str| {
+            let line = line.trim_start();
+            !["if (row + 1u == rows", "let traced", "totals[(traced"].iter().any(|begin| line.starts_with(begin))
+        };
+        let operations: usize = program.steps().iter().map(|step| step.tape().operations.len()).sum();
+        let kept: Vec<&str> = traced.lines().filter(stores).collect();
+        let plain = assemble(&program).unwrap();
+        assert_eq!(traced.lines().count() - kept.len(), 2 * (2 + program.carried().len()) + operations);
+        // What is left of the stores closes their braces.
+        let (mut kept, mut closed) = (kept.into_iter(), 0);
+        for line in plain.lines() {
+            closed += kept.by_ref().take_while(|found| *found != line).filter(|found| found.trim() == "}").count();
+        }
+        assert_eq!((closed, kept.count()), (2, 0));
+    }
+}

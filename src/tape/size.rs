@@ -1,7 +1,6 @@
 //! How large what an operation works with is: what its rounding errors are a share of.
 
-use super::operations::{Binary, Unary};
-use super::schedule::{Code, Operation};
+use super::{Binary, Code, Operation, Unary};
 
 impl Operation {
     /// The largest of the terms that the operation adds up, of one that adds nothing the result: `value`, from `operands`

@@ -115,7 +115,7 @@ impl Kernel {
         self.prepare(gpu, program, 1)?;
         let mut traced = Vec::new();
         for (round, buffers) in self.layout.rounds.iter().zip(self.buffers.iter().cycle()) {
-            gpu.guarded(|| self.dispatch(gpu, (program, round), buffers, candidate))?;
+            gpu.guarded(|| self.dispatch(gpu, program, round, buffers, candidate))?;
             let first = round.chunks.len() * self.layout.totals_a_chunk;
             let bytes = self.totals_bytes(first + self.layout.traced, buffers.stride);
             gpu.read(&buffers.staging, bytes, |bytes| {

@@ -1,6 +1,6 @@
 //! `kfgpu tape`: the program, and one row of it on every machine.
 
-use crate::command::{Finished, Folder};
+use crate::command::{Finished, Folder, LEVEL};
 use crate::gpu::adapter;
 
 #[test]
@@ -88,6 +88,38 @@ fn what_is_no_row_or_candidate_is_refused() {
     }
     let message = folder.run(&["tape", "problem.toml", "--candidate", "q=1"]).expect(2).stderr;
     assert!(message.contains("--row <K>"), "{message}");
+}
+
+/// Rows count from the first of their trajectory in the log, whichever the filter begins with.
+#[test]
+fn rows_are_those_of_their_trajectory() {
+    let folder = Folder::new();
+    let from_measurement =
+        LEVEL.replace("x0 = [0]", "x0 = \"measurement\"").replace("time =", "trajectory = \"id\"\ntime =");
+    folder.write("problem.toml", from_measurement);
+    let row = |(id, k): (&str, u32)| {
+        let z = if (id, k) == ("b", 0) { String::new() } else { format!("{}", k * k % 7) };
+        format!("{id},{k},{z}\n")
+    };
+    let rows = (0..9).map(|k| ("a", k)).chain((0..6).map(|k| ("b", k)));
+    folder.write("log.csv", "id,t,z\n".to_owned() + &rows.map(row).collect::<String>());
+    let run = |more: &[&str]| folder.run(&[&["tape", "problem.toml", "--row"], more].concat());
+    for (arguments, place) in
+        [(&["8"][..], "row 8 (line 10, time 8)"), (&["3", "--trajectory", "b"], "row 3 (line 14, time 3)")]
+    {
+        let text = run(arguments).expect(0).stdout;
+        assert!(text.starts_with(&format!("# prior of {place};")), "{text}");
+        for line in parts(&text).0 {
+            let off = offs(line, 2);
+            assert!(off[0] < 1e-12 && off[1] < 1e-6, "{line}");
+        }
+    }
+    let message = run(&["0", "--trajectory", "b"]).refusal();
+    assert!(message.contains("the first complete measurement of trajectory `b`: expected 1 to 5"), "{message}");
+    let message = run(&["6", "--trajectory", "b"]).refusal();
+    assert!(message.contains("trajectory `b` has 6 rows: expected 0 to 5"), "{message}");
+    let message = run(&["6", "--trajectory", "c"]).refusal();
+    assert!(message.contains("--trajectory is `c`, expected one of those of log.csv: a, b"), "{message}");
 }
 
 #[cfg(feature = "gpu")]

@@ -11,6 +11,7 @@ mod error;
 mod evidence;
 mod families;
 mod family;
+mod fold;
 mod form;
 mod formula;
 mod gaussian;

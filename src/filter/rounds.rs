@@ -6,6 +6,7 @@ use super::columns::Columns;
 use super::error::TraceError;
 use super::families;
 use super::family::Family;
+use super::fold::fold;
 use super::positivity::Positivity;
 use super::program::Program;
 use super::rows::Rows;
@@ -32,7 +33,7 @@ pub(super) fn trace_rows(
         let initial = family.start(&mut t)?;
         let opaque = family.opaque(&problem.model);
         let current = partition.unwrap_or_else(|| Partition::by_initial(&t.g, &initial, opaque));
-        let steps = trace_steps(&mut t, family.as_ref(), &current, request)?;
+        let mut steps = trace_steps(&mut t, family.as_ref(), &current, request)?;
         // Which columns there are is known after a step with masks; what they decide is the same in every round.
         if !parted {
             parted = true;
@@ -45,6 +46,7 @@ pub(super) fn trace_rows(
             partition = Some(refined);
             continue;
         }
+        steps.iter_mut().enumerate().for_each(|(kind, step)| fold(&mut t, kind, step));
         let mut program = assemble(&mut t, family.as_ref(), request, &steps, &current, &initial)?;
         if request.watch.is_none() {
             program.positivity = Positivity::new(problem, rows)?;

@@ -64,4 +64,17 @@ impl Traces {
         let next = family.predict(t, &row, &posterior)?;
         Ok(Self { next, sums, positive, traced })
     }
+
+    /// All that the step is made of.
+    pub(super) fn roots(&self) -> Vec<Id> {
+        let sums = self.sums.iter().map(|(_, value)| *value);
+        self.next.iter().copied().chain(sums).chain(self.positive.iter().copied()).collect()
+    }
+
+    /// Puts others in the place of the [roots](Self::roots), in their order.
+    pub(super) fn replace(&mut self, roots: &[Id]) {
+        let sums = self.sums.iter_mut().map(|(_, value)| value);
+        let own = self.next.iter_mut().chain(sums).chain(&mut self.positive);
+        own.zip(roots).for_each(|(own, root)| *own = *root);
+    }
 }

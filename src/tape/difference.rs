@@ -77,16 +77,6 @@ impl Graph {
     fn chosen(&mut self, condition: Moved, choices: [Moved; 2], base: Id) -> [Id; 2] {
         if self.is(condition.delta, 0.0) { choices.map(|c| c.delta) } else { choices.map(|c| c.from(self, base)) }
     }
-
-    /// The same operation on other operands.
-    fn rebuilt(&mut self, node: Node, [a, b, c]: [Id; 3]) -> Id {
-        match node {
-            Node::Constant(_) | Node::Leaf(_) => a,
-            Node::Unary(op, _) => self.simplified(op, a),
-            Node::Binary(op, ..) => self.simplified_pair(op, a, b),
-            Node::Select { .. } => self.select(a, b, c),
-        }
-    }
 }
 
 #[cfg(test)]

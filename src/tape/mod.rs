@@ -15,6 +15,7 @@ pub mod lanes;
 mod moved;
 mod operations;
 mod print;
+mod rebuild;
 mod scale;
 mod schedule;
 mod simplify;

@@ -1,8 +1,9 @@
 //! Long logs: sums in blocks stay exact enough, and memory does not grow with T beyond the log.
 
 use crate::case::{Case, INNOVATIONS, Single, Text};
-use crate::logs::{Gap, Interval, Shape};
+use crate::logs::{Gap, Interval, Shape, draw};
 use crate::{double, evaluate, single, worst};
+use kfgpu::data::Table;
 use kfgpu::evaluate::Precision;
 use kfgpu::filter::{Step, trace};
 
@@ -58,4 +59,25 @@ fn a_record_holds_only_what_changes_from_row_to_row() {
     assert_eq!(all.0, [3, 3], "the window of mismatch is a kind");
     let irregular = sizes(&LEVEL, Shape::regular(&[50]).every(Interval::Irregular(1.0)));
     assert_eq!(irregular.0, [2, 2], "z and dt; the window is a kind");
+}
+
+/// Two columns vary and their sum does not: no row reads it, and what is multiplied by it is simplified.
+#[test]
+fn what_columns_add_up_to_is_folded() {
+    let model =
+        |f: &str| format!("state = [\"x\"]\nf = [\"{f}\"]\nh = [\"x\"]\nQ = [\"q\"]\nR = [\"r\"]\nx0 = [0]\nP0 = [4]");
+    let sizes = |f: &str| {
+        let model = model(f);
+        let text = Text { inputs: &["u", "w"], model: &model, ..Text::BASIC };
+        let problem = text.problem();
+        let mut log = draw(&problem, Shape::regular(&[50]), 3);
+        let inputs = (0..50).map(|k| f64::from(k % 5));
+        log.trajectories[0].u = Table::new(2);
+        inputs.for_each(|u| log.trajectories[0].u.push(&[u, 4.0 - u]));
+        let program = trace(&problem, &log, &problem.tune.objectives, None).unwrap();
+        (program.steps()[0].columns(), program.counts().flops)
+    };
+    let (columns, flops) = sizes("x*(u + w)");
+    assert_eq!((columns, flops), sizes("x*4"), "as if 4 had been typed");
+    assert!(sizes("x*(u + 2*w)").0 > columns, "what varies is read");
 }

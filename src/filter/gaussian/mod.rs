@@ -187,3 +187,6 @@ fn first_interval(t: &mut Tracer<'_>) -> Id {
     let place = if t.nominal.is_some() { 2 * n } else { n };
     t.g.leaf(Leaf::Start(narrow(place)))
 }
+
+#[cfg(test)]
+mod tests;

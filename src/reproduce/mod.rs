@@ -1,6 +1,6 @@
 //! Published studies run again: our numbers beside the paper's, and targets that pass or fail.
 //!
-//! A study is a folder with a [`protocol::Protocol`], and a row of [`STUDIES`]. It draws its own data, runs on the machinery that every problem file
+//! A study is a folder with a `Protocol`, and a row of [`STUDIES`]. It draws its own data, runs on the machinery that every problem file
 //! runs on, and hands back a [`Reproduction`]: targets (gated), tables and findings (printed, not gated), figures.
 //! Everything but times depends on the seed alone.
 

@@ -103,12 +103,12 @@ pub enum Entry {
 }
 
 impl Entry {
-    /// Its value before a row, from what the registers hold there.
+    /// Its value before a row, from what each register holds there.
     #[must_use]
-    pub fn value(self, registers: &[f64]) -> f64 {
+    pub fn value(self, of: impl Fn(usize) -> f64) -> f64 {
         match self {
             Self::Constant(value) => value,
-            Self::Carried(register) => registers[register],
+            Self::Carried(register) => of(register),
         }
     }
 }

@@ -39,7 +39,9 @@ impl Program {
         let units = &self.units.states;
         let nominal = nominal.iter().copied().chain(std::iter::repeat(0.0));
         let x = self.entries.iter().zip(units).zip(nominal);
-        let x = x.map(|((entry, unit), nominal)| nominal + entry.value(registers) * 2.0_f64.powi(*unit));
+        let x = x.map(|((entry, unit), nominal)| {
+            nominal + entry.value(|register| registers[register]) * 2.0_f64.powi(*unit)
+        });
         let places = Symmetric::places(units.len()).zip(self.covariance(registers));
         x.chain(places.map(|((i, j), p)| p * 2.0_f64.powi(units[i]) * 2.0_f64.powi(units[j]))).collect()
     }
@@ -62,7 +64,7 @@ impl Program {
         let n = self.units.states.len();
         let mut carried = vec![0.0; n * n];
         let entries = Symmetric::places(n).zip(&self.entries[n..]);
-        entries.for_each(|((i, j), entry)| carried[i * n + j] = entry.value(registers));
+        entries.for_each(|((i, j), entry)| carried[i * n + j] = entry.value(|register| registers[register]));
         // U has ones on its diagonal, where D stands in what is carried.
         let u = |i: usize, k: usize| if i == k { 1.0 } else { carried[i * n + k] };
         let p = |(i, j): (usize, usize)| match self.carrying.form {

@@ -15,8 +15,7 @@ pub(super) trait Family {
     fn names(&self, model: &Model) -> Vec<String>;
 
     /// Number of entries at the end of which nothing is to be found out: they are neither constant nor equal to others.
-    fn opaque(&self, model: &Model) -> usize {
-        let _ = model;
+    fn opaque(&self, _: &Model) -> usize {
         0
     }
 

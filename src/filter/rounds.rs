@@ -42,7 +42,7 @@ pub(super) fn trace_rows(
                 continue;
             }
         }
-        if let Some(refined) = refine(&t, current.clone(), &steps) {
+        if let Some(refined) = refine(&t, &current, &steps) {
             partition = Some(refined);
             continue;
         }
@@ -73,8 +73,8 @@ fn trace_steps(
 }
 
 /// The partition that holds after every step; `None` where it is `current`.
-fn refine(t: &Tracer<'_>, current: Partition, steps: &[Traces]) -> Option<Partition> {
+fn refine(t: &Tracer<'_>, current: &Partition, steps: &[Traces]) -> Option<Partition> {
     let refined =
         steps.iter().fold(current.clone(), |partition, step| partition.refine(&t.g, &step.next).unwrap_or(partition));
-    (refined != current).then_some(refined)
+    (refined != *current).then_some(refined)
 }

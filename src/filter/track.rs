@@ -1,12 +1,8 @@
-//! The track of one candidate: what a program in f64 predicts, row by row.
+//! Runs of a few candidates by a program in f64, row by row.
 
-use super::carry::Entry;
 use super::nominal::Nominal;
-use super::program::{Initial, Program, Span};
-use crate::tape::lanes::{Register, run_apart, run_one};
-
-/// A register of one candidate.
-type One = Register<f64, 1, 1>;
+use super::program::{Initial, Program};
+use crate::tape::lanes::{Register, run_apart};
 
 impl Program {
     /// The nominal of the deviation form: the predicted states of a candidate, in the problem's own units, by this program,
@@ -15,40 +11,48 @@ impl Program {
     pub fn nominal(&self, candidate: &[f64]) -> Nominal {
         let n = self.units().states.len();
         let mut states = Vec::with_capacity(n * self.rows());
-        for (t, span) in self.spans().iter().enumerate() {
-            let mut registers = self.start(candidate, span);
-            let mut cursor = self.cursor(t);
-            for row in span.rows.clone() {
-                states.extend(self.predicted(&registers));
-                let (step, columns) = cursor.step(row);
-                let scalars = [columns, step.constants()].concat();
-                run_apart(&step.tape().operations, &mut registers, &scalars);
-            }
-        }
+        let before = |registers: &[Register<f64, 1, 1>]| states.extend(self.predicted(registers));
+        self.walk(&[candidate.to_vec()], before, |_, _| ());
         Nominal::new(candidate.to_vec(), states, n)
     }
 
-    /// The registers of the step at the first row of a trajectory.
-    fn start(&self, candidate: &[f64], span: &Span) -> Vec<One> {
-        let mut results = candidate.to_vec();
-        run_one(self.prologue(), &mut results, &span.scalars);
-        let value = |initial| match initial {
-            Initial::Result(register) => results[register],
-            Initial::Number(value) => value,
-        };
-        let mut registers: Vec<One> = self.initial().map(|initial| One::splat(value(initial))).collect();
-        registers.resize(self.registers(), One::splat(0.0));
-        registers
+    /// Runs up to `C` candidates side by side through the log (the last one fills the lanes that are left): `before` sees the
+    /// registers at each row, `after` what the row has made of them.
+    pub(super) fn walk<const C: usize>(
+        &self,
+        candidates: &[Vec<f64>],
+        mut before: impl FnMut(&[Register<f64, C, 1>]),
+        mut after: impl FnMut(usize, &mut [Register<f64, C, 1>]),
+    ) {
+        let splat = Register::<f64, C, 1>::splat;
+        for (t, span) in self.spans().iter().enumerate() {
+            let mut prologue = vec![splat(0.0); self.prologue().registers.max(self.parameters())];
+            for (lane, candidate) in (0..C).map(|lane| (lane, &candidates[lane.min(candidates.len() - 1)])) {
+                candidate.iter().zip(&mut prologue).for_each(|(v, r)| r.lanes_mut()[lane] = *v);
+            }
+            run_apart(&self.prologue().operations, &mut prologue, &span.scalars);
+            let mut registers = vec![splat(0.0); self.registers()];
+            for (register, initial) in registers.iter_mut().zip(self.initial()) {
+                *register = match initial {
+                    Initial::Result(result) => prologue[result],
+                    Initial::Number(value) => splat(value),
+                };
+            }
+            let mut cursor = self.cursor(t);
+            for row in span.rows.clone() {
+                before(&registers);
+                let (step, columns) = cursor.step(row);
+                let scalars = [columns, step.constants()].concat();
+                run_apart(&step.tape().operations, &mut registers, &scalars);
+                after(row, &mut registers);
+            }
+        }
     }
 
     /// The predicted states in the problem's own units.
-    fn predicted<'a>(&'a self, registers: &'a [One]) -> impl Iterator<Item = f64> + 'a {
-        self.entries.iter().zip(&self.units().states).map(|(entry, unit)| {
-            let value = match entry {
-                Entry::Constant(value) => *value,
-                Entry::Carried(i) => registers[*i].lanes()[0],
-            };
-            value * 2.0_f64.powi(*unit)
-        })
+    fn predicted<'a>(&'a self, registers: &'a [Register<f64, 1, 1>]) -> impl Iterator<Item = f64> + 'a {
+        let value = |register: usize| registers[register].lanes()[0];
+        let entries = self.entries.iter().zip(&self.units().states);
+        entries.map(move |(entry, unit)| entry.value(value) * 2.0_f64.powi(*unit))
     }
 }

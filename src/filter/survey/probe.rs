@@ -12,7 +12,7 @@ use crate::filter::covariance::Covariance;
 use crate::filter::error::TraceError;
 use crate::filter::evidence::Evidence;
 use crate::filter::form::{Carrying, Form};
-use crate::filter::program::{Initial, Program};
+use crate::filter::program::Program;
 use crate::filter::rounds::trace_rows;
 use crate::filter::rows::Rows;
 use crate::filter::step::{self, Request};
@@ -20,7 +20,7 @@ use crate::filter::tracer::Tracer;
 use crate::model::Parameters;
 use crate::precision::Precision;
 use crate::tape::Id;
-use crate::tape::lanes::{Register, run_apart};
+use crate::tape::lanes::Register;
 use std::f64::consts::PI;
 
 /// Candidates side by side.
@@ -178,29 +178,11 @@ pub(crate) fn scattered(parameters: &Parameters, count: usize) -> Vec<Vec<f64>> 
 
 /// Runs up to [`LANES`] candidates through the log and shows what each row adds to the sums.
 fn run_lanes(program: &Program, candidates: &[Vec<f64>], mut visit: impl FnMut(usize, &[Register<f64, LANES, 1>])) {
-    let splat = Register::<f64, LANES, 1>::splat;
     let states = program.varies().len();
-    let sums = states..states + program.totals();
-    for (t, span) in program.spans().iter().enumerate() {
-        let mut prologue = vec![splat(0.0); program.prologue().registers.max(program.parameters())];
-        for (lane, candidate) in (0..LANES).map(|lane| (lane, &candidates[lane.min(candidates.len() - 1)])) {
-            candidate.iter().zip(&mut prologue).for_each(|(v, r)| r.lanes_mut()[lane] = *v);
-        }
-        run_apart(&program.prologue().operations, &mut prologue, &span.scalars);
-        let mut registers = vec![splat(0.0); program.registers()];
-        for (register, initial) in registers.iter_mut().zip(program.initial()) {
-            *register = match initial {
-                Initial::Result(result) => prologue[result],
-                Initial::Number(value) => splat(value),
-            };
-        }
-        let mut cursor = program.cursor(t);
-        for row in span.rows.clone() {
-            let (step, columns) = cursor.step(row);
-            let scalars = [columns, step.constants()].concat();
-            run_apart(&step.tape().operations, &mut registers, &scalars);
-            visit(row, &registers[sums.clone()]);
-            registers[sums.clone()].fill(splat(0.0));
-        }
-    }
+    let after = |row: usize, registers: &mut [Register<f64, LANES, 1>]| {
+        let sums = &mut registers[states..states + program.totals()];
+        visit(row, sums);
+        sums.fill(Register::splat(0.0));
+    };
+    program.walk(candidates, |_| (), after);
 }

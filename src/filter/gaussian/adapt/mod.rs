@@ -54,8 +54,7 @@ pub(in crate::filter) trait Adaptation {
 
     /// Number of entries at the end that are neither constant nor equal to others, so that nothing is to be found out about
     /// them.
-    fn opaque(&self, model: &Model) -> usize {
-        let _ = model;
+    fn opaque(&self, _: &Model) -> usize {
         0
     }
 

@@ -13,6 +13,9 @@ pub(super) fn of(kind: &FilterKind, carrying: Carrying) -> Box<dyn Family> {
         FilterKind::Kalman(_) => Box::new(Gaussian::new(carrying, Affine, NoAdaptation)),
         FilterKind::SageHusa(_) => Box::new(Gaussian::new(carrying, Affine, SageHusa)),
         FilterKind::SageHusaR(_) => Box::new(Gaussian::new(carrying, Affine, SageHusaR)),
+        FilterKind::Extended(_) | FilterKind::Iterated(_) | FilterKind::Unscented(_) | FilterKind::Cubature(_) => {
+            Box::new(Gaussian::new(carrying, Affine, NoAdaptation))
+        }
         FilterKind::Fuzzy(fuzzy) => Box::new(Gaussian::new(carrying, Affine, Fuzzy { window: fuzzy.window })),
     }
 }

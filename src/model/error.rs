@@ -84,10 +84,10 @@ pub enum Cause {
     #[error("{what} `{name}` cannot stand in {key}, which may use {allowed}")]
     NotAllowed { what: &'static str, name: String, key: String, allowed: &'static str },
     #[error(
-        "`{text}` is not linear in the states, and the kalman filter needs {key} to be linear (sums of states times \
-         parameters, inputs and dt; other filters come later)"
+        "`{text}` is not linear in the states, and the {filter} filter needs {key} to be linear (sums of states times \
+         parameters, inputs and dt): set `kind` in [filter] to one of {}", others.join(", ")
     )]
-    Nonlinear { text: String, key: String },
+    Nonlinear { text: String, key: String, filter: &'static str, others: Vec<String> },
 
     #[error(
         "`{key}` is not symmetric: entry [{row}, {column}] differs from [{column}, {row}] (write both alike, or one of them 0)"

@@ -24,7 +24,7 @@ pub use expr::{Binary, Expr, ExprKind, Span, Symbol};
 pub use family::{Adapts, Facts, FilterKind, Range, Setting};
 pub use library::built_in_models;
 pub use parameter::{Parameter, Parameters, Scale, Search, Value};
-pub use problem::{First, Model, Pick, Problem, SimulateSpec, Start, TuneSpec};
+pub use problem::{Angles, First, Model, Pick, Problem, SimulateSpec, Start, TuneSpec};
 
 #[cfg(test)]
 mod tests;

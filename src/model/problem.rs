@@ -38,6 +38,8 @@ pub struct Model {
     pub measurements: Vec<String>,
     /// Input names.
     pub inputs: Vec<String>,
+    /// Which of them are angles in radians, equal modulo 2 pi.
+    pub angles: Angles,
     /// Transition, n formulas.
     pub f: Vec<Expr>,
     /// Measurement, m formulas.
@@ -52,6 +54,29 @@ pub struct Model {
     pub p0: Vec<Expr>,
     /// When `x0` and `p0` hold.
     pub first: First,
+}
+
+/// Which states and measurements are angles in radians: their innovations and errors are wrapped to [-pi, pi).
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Angles {
+    /// Indices of states, ascending.
+    pub states: Vec<usize>,
+    /// Indices of measurements, ascending.
+    pub measurements: Vec<usize>,
+}
+
+impl Angles {
+    /// Whether state `i` is one.
+    #[must_use]
+    pub fn state(&self, i: usize) -> bool {
+        self.states.contains(&i)
+    }
+
+    /// Whether measurement `i` is one.
+    #[must_use]
+    pub fn measurement(&self, i: usize) -> bool {
+        self.measurements.contains(&i)
+    }
 }
 
 /// Initial state.

@@ -1,7 +1,9 @@
 //! Problems and logs as numbers, without a problem file.
 
 use kfgpu::data::{DataSpec, Log, Table, Trajectory};
-use kfgpu::model::{Binary, Expr, FilterKind, First, Model, Parameters, Pick, Problem, Start, Symbol, TuneSpec};
+use kfgpu::model::{
+    Angles, Binary, Expr, FilterKind, First, Model, Parameters, Pick, Problem, Start, Symbol, TuneSpec,
+};
 use kfgpu::objective::{Kind, Objective};
 use nalgebra::{DMatrix, DVector};
 
@@ -71,6 +73,7 @@ impl Linear {
                     .map_or(Start::Measurement, |x| Start::Values(x.iter().map(|v| Expr::number(*v)).collect())),
                 p0: numbers(&self.p0),
                 first: self.first,
+                angles: Angles::default(),
                 states,
                 measurements,
                 inputs,

@@ -28,10 +28,7 @@ impl Described for Fuzzy {
     }
 
     fn settings(&self) -> Vec<Setting<'_>> {
-        vec![
-            Setting { key: "gain", formula: &self.gain, range: Range::BelowOne },
-            Setting { key: "width", formula: &self.width, range: Range::Positive },
-        ]
+        vec![Setting::new("gain", &self.gain, Range::BelowOne), Setting::new("width", &self.width, Range::Positive)]
     }
 
     fn sizes(&self) -> Vec<usize> {

@@ -3,17 +3,25 @@
 //! What a family does on the graph stands in the file of its name under `filter/`, in textbook form under `reference/`.
 //! Whoever else wants to know something about a filter asks its [`Facts`].
 
+mod cubature;
+mod extended;
 mod fuzzy;
+mod iterated;
 mod kalman;
 mod sage_husa;
 mod sage_husa_r;
 mod setting;
+mod unscented;
 
+pub use cubature::Cubature;
+pub use extended::Extended;
 pub use fuzzy::Fuzzy;
+pub use iterated::Iterated;
 pub use kalman::Kalman;
 pub use sage_husa::SageHusa;
 pub use sage_husa_r::SageHusaR;
 pub use setting::{Range, Setting};
+pub use unscented::Unscented;
 
 use super::Expr;
 use super::error::Fault;
@@ -40,6 +48,8 @@ pub struct Facts<'a> {
 
 /// The keys of `[filter]`, as a family asks for its own.
 pub(super) trait Settings {
+    /// Number of states, n.
+    fn states(&self) -> usize;
     /// A formula of parameters.
     fn formula(&self, key: &'static str, default: f64) -> Result<Expr, Fault>;
     /// A whole number from 1 to `largest`.
@@ -52,6 +62,8 @@ pub(super) trait Described: Sized {
     const NAME: &'static str;
     /// Its own keys in `[filter]`.
     const KEYS: &'static [&'static str];
+    /// Whether f and h have to be affine in the states.
+    const LINEAR: bool = true;
 
     /// Reads its settings.
     fn read(settings: &dyn Settings) -> Result<Self, Fault>;
@@ -70,8 +82,9 @@ pub(super) trait Described: Sized {
 
 macro_rules! families {
     ($($(#[$doc:meta])* $family:ident,)*) => {
-        /// Filter kinds. All of them are linear Kalman filters (affine f and h); the adaptive ones change Q or R on the way,
-        /// from what the innovations of the log say, and start every trajectory anew from the model's.
+        /// Filter kinds. All of them carry one gaussian. The first are linear Kalman filters (affine f and h), of which the
+        /// adaptive ones change Q or R on the way, from what the innovations of the log say, and start every trajectory anew
+        /// from the model's. The others take any f and h, and differ in how a gaussian goes through them.
         ///
         /// Settings are formulas of parameters, so they can be searched as anything else.
         #[derive(Debug, Clone, PartialEq)]
@@ -88,6 +101,19 @@ macro_rules! families {
             pub const fn name(&self) -> &'static str {
                 match self {
                     $(Self::$family(_) => $family::NAME,)*
+                }
+            }
+
+            /// The names of those that take any f and h.
+            pub(super) fn nonlinear() -> impl Iterator<Item = &'static str> {
+                [$(($family::NAME, $family::LINEAR)),*].into_iter().filter(|(_, linear)| !linear).map(|(name, _)| name)
+            }
+
+            /// Whether f and h have to be affine in the states.
+            #[must_use]
+            pub const fn is_linear(&self) -> bool {
+                match self {
+                    $(Self::$family(_) => $family::LINEAR,)*
                 }
             }
 
@@ -143,6 +169,14 @@ families! {
     SageHusaR,
     /// Fuzzy adaptation of R.
     Fuzzy,
+    /// f and h by their Jacobians at the mean.
+    Extended,
+    /// The same, with h linearised again at the updated mean.
+    Iterated,
+    /// f and h at sigma points.
+    Unscented,
+    /// The same, by the cubature rule of degree three.
+    Cubature,
 }
 
 impl Default for FilterKind {

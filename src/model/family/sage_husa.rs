@@ -21,7 +21,7 @@ impl Described for SageHusa {
     }
 
     fn settings(&self) -> Vec<Setting<'_>> {
-        vec![Setting { key: "forgetting", formula: &self.forgetting, range: Range::Share }]
+        vec![Setting::new("forgetting", &self.forgetting, Range::Share)]
     }
 
     fn facts(&self) -> Facts<'_> {

@@ -16,7 +16,7 @@ pub struct SageHusaR {
 
 impl SageHusaR {
     fn floor(&self) -> Setting<'_> {
-        Setting { key: "floor", formula: &self.floor, range: Range::Share }
+        Setting::new("floor", &self.floor, Range::Share)
     }
 }
 
@@ -29,7 +29,7 @@ impl Described for SageHusaR {
     }
 
     fn settings(&self) -> Vec<Setting<'_>> {
-        let forgetting = Setting { key: "forgetting", formula: &self.forgetting, range: Range::Share };
+        let forgetting = Setting::new("forgetting", &self.forgetting, Range::Share);
         vec![forgetting, self.floor()]
     }
 

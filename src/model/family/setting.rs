@@ -12,6 +12,10 @@ pub enum Range {
     BelowOne,
     /// Above 0.
     Positive,
+    /// 0 or above.
+    NotNegative,
+    /// Any finite number.
+    Any,
 }
 
 /// A setting of a filter kind.
@@ -23,9 +27,20 @@ pub struct Setting<'a> {
     pub formula: &'a Expr,
     /// What it may be; a candidate for which it is something else fails.
     pub range: Range,
+    /// What the formula is where it is not the setting itself but a condition on several.
+    pub condition: Option<&'static str>,
 }
 
-impl Setting<'_> {
+impl<'a> Setting<'a> {
+    pub(super) const fn new(key: &'static str, formula: &'a Expr, range: Range) -> Self {
+        Self { key, formula, range, condition: None }
+    }
+
+    /// A condition that is told of under `key`.
+    pub(super) const fn condition(key: &'static str, what: &'static str, formula: &'a Expr, range: Range) -> Self {
+        Self { key, formula, range, condition: Some(what) }
+    }
+
     /// Its value for all parameters' values.
     #[must_use]
     pub fn value(&self, parameters: &[f64]) -> f64 {
@@ -44,6 +59,8 @@ impl Range {
             Self::Share => value > 0.0 && value <= 1.0,
             Self::BelowOne => (0.0..1.0).contains(&value),
             Self::Positive => value > 0.0 && value.is_finite(),
+            Self::NotNegative => value >= 0.0 && value.is_finite(),
+            Self::Any => value.is_finite(),
         }
     }
 }
@@ -54,6 +71,8 @@ impl fmt::Display for Range {
             Self::Share => "a number above 0, up to 1",
             Self::BelowOne => "a number from 0 to below 1",
             Self::Positive => "a number above 0",
+            Self::NotNegative => "a number from 0",
+            Self::Any => "a finite number",
         })
     }
 }

@@ -4,7 +4,7 @@ use super::node::{Fields, Node};
 use crate::model::error::{Cause, Fault, nearest};
 use crate::model::family::Settings;
 use crate::model::formula::{FormulaPlace, Names, Scope};
-use crate::model::{Adapts, Expr, FilterKind, Model, Parameters};
+use crate::model::{Adapts, Expr, FilterKind, Model, Parameters, Start, linear};
 use crate::words::shorten;
 
 /// Reads `[filter]`; the linear Kalman filter without one.
@@ -14,22 +14,56 @@ pub(super) fn read(
     parameters: &Parameters,
     names: &Names,
 ) -> Result<FilterKind, Fault> {
-    let Some(node) = document.get("filter") else { return Ok(FilterKind::default()) };
+    let Some(node) = document.get("filter") else { return checked(document, model, FilterKind::default()) };
     let kind = node.table("a table", &[])?.optional("kind", find)?.unwrap_or(FilterKind::NAMES[0]);
     let fields = node.table("a table", &[&["kind"], FilterKind::keys(kind)].concat())?;
-    let filter = FilterKind::read(kind, &Keys { fields: &fields, names })?;
+    let filter = FilterKind::read(kind, &Keys { fields: &fields, names, states: model.states.len() })?;
     check_settings(&fields, &filter, parameters)?;
     check_noise(&fields, &filter, model)?;
-    Ok(filter)
+    checked(document, model, filter)
+}
+
+/// A filter that fits f and h.
+fn checked(document: &Fields<'_>, model: &Model, filter: FilterKind) -> Result<FilterKind, Fault> {
+    let fields = document.need("model", "a table")?.table("a table", &[])?;
+    if filter.is_linear() {
+        check_linear(&fields, "f", &model.f, &filter)?;
+        check_linear(&fields, "h", &model.h, &filter)?;
+    }
+    match fields.get("x0") {
+        Some(x0) if model.x0 == Start::Measurement && model.h.iter().any(|h| linear::check(h).is_err()) => {
+            Err(x0.invalid("\"measurement\" inverts h, which has to be linear for that: give numbers or formulas"))
+        }
+        _ => Ok(filter),
+    }
+}
+
+/// Formulas are affine in the states.
+fn check_linear(fields: &Fields<'_>, key: &str, formulas: &[Expr], filter: &FilterKind) -> Result<(), Fault> {
+    let Some(node) = fields.get(key) else { return Ok(()) };
+    for (i, formula) in formulas.iter().enumerate() {
+        let Err(offender) = linear::check(formula) else { continue };
+        let text = shorten(node.source(offender.span));
+        let (key, filter) = (format!("{}[{}]", node.key, i + 1), filter.name());
+        let others = FilterKind::nonlinear().map(|name| format!("\"{name}\"")).collect();
+        let cause = Cause::Nonlinear { text, key, filter, others };
+        return Err(Fault::new(offender.span, cause));
+    }
+    Ok(())
 }
 
 /// What stands under the keys of the table.
 struct Keys<'a> {
     fields: &'a Fields<'a>,
     names: &'a Names,
+    states: usize,
 }
 
 impl Settings for Keys<'_> {
+    fn states(&self) -> usize {
+        self.states
+    }
+
     fn formula(&self, key: &'static str, default: f64) -> Result<Expr, Fault> {
         let scope = Scope { names: self.names, place: FormulaPlace::Constant, key: "" };
         let found = self.fields.optional(key, |node| node.formula(scope))?;
@@ -55,9 +89,17 @@ fn check_settings(fields: &Fields<'_>, filter: &FilterKind, parameters: &Paramet
     let values = parameters.resolve(&parameters.baseline());
     for setting in filter.settings() {
         let value = setting.value(&values);
-        if let (false, Some(node)) = (setting.range.contains(value), fields.get(setting.key)) {
-            return Err(node.bad_value(value, format!("{} at the start values", setting.range)));
+        if setting.range.contains(value) {
+            continue;
         }
+        // A condition can be broken by the defaults of others as well.
+        let node =
+            fields.get(setting.key).or_else(|| setting.condition.and_then(|_| fields.entries.last().map(|e| &e.2)));
+        let Some(node) = node else { continue };
+        return Err(match setting.condition {
+            None => node.bad_value(value, format!("{} at the start values", setting.range)),
+            Some(what) => node.invalid(format!("{what} is {value} at the start values, and must be {}", setting.range)),
+        });
     }
     Ok(())
 }

@@ -9,11 +9,11 @@ use crate::data::DataSpec;
 use crate::model::error::{Cause, Fault, nearest};
 use crate::model::formula::{FormulaPlace, Names, Scope};
 use crate::model::library::{self, BuiltIn, Motion, Noise};
-use crate::model::{Expr, First, Model, Parameters, Start, Value, linear};
+use crate::model::{Angles, Expr, First, Model, Parameters, Start, Value};
 
 /// A step over n dense states and measurements is 4 n^3 flops, 7 n^3 by factors: tracing 32 takes a second.
 const MAX_STATES: usize = 32;
-const COMMON: [&str; 5] = ["R", "x0", "P0", "first", "first_dt"];
+const COMMON: [&str; 6] = ["R", "x0", "P0", "first", "first_dt", "angle"];
 const FORMULAS: [&str; 4] = ["state", "f", "h", "Q"];
 const BUILT_IN: [&str; 3] = ["kind", "axes", "noise"];
 
@@ -158,6 +158,7 @@ impl Draft<'_> {
             r: covariance::read(r, measurements, names, FormulaPlace::Constant)?,
             p0: covariance::read(p0, states, names, FormulaPlace::Constant)?,
             first: self.read_first(&x0, data)?,
+            angles: self.read_angles(data)?,
             f,
             h,
             q,
@@ -174,8 +175,8 @@ impl Draft<'_> {
         let q = fields.need("Q", "the process noise covariance of one step")?;
         let states = Axes { labels: &self.states, what: "state", may_be_zero: true };
         Ok(Motion {
-            f: linear_formulas(f, &self.states, "state", Scope { names, place: FormulaPlace::Transition, key: "" })?,
-            h: linear_formulas(
+            f: formulas(f, &self.states, "state", Scope { names, place: FormulaPlace::Transition, key: "" })?,
+            h: formulas(
                 h,
                 &data.measurements,
                 "measurement",
@@ -216,6 +217,22 @@ impl Draft<'_> {
         }
         let scope = Scope { names, place: FormulaPlace::Constant, key: "" };
         Ok(Start::Values(entries.iter().map(|e| e.formula(scope)).collect::<Result<_, _>>()?))
+    }
+
+    /// The names under `angle`, of states and measurements; one that both have means both.
+    fn read_angles(&self, data: &DataSpec) -> Result<Angles, Fault> {
+        let Some(node) = self.fields.get("angle") else { return Ok(Angles::default()) };
+        let names = node.names("a list of names of measurements and states")?;
+        for (name, entry) in names.iter().zip(node.list("a list")?) {
+            if !self.states.contains(name) && !data.measurements.contains(name) {
+                let known: Vec<String> = data.measurements.iter().chain(&self.states).cloned().collect();
+                let nearest = nearest(name, known.iter().map(String::as_str));
+                let (key, name) = (node.key.clone(), crate::words::shorten(name));
+                return Err(entry.fault(Cause::NoSuch { key, what: "the angle", name, nearest, known }));
+            }
+        }
+        let among = |all: &[String]| (0..all.len()).filter(|i| names.contains(&all[*i])).collect();
+        Ok(Angles { states: among(&self.states), measurements: among(&data.measurements) })
     }
 
     fn read_first(&self, x0: &Start, data: &DataSpec) -> Result<First, Fault> {
@@ -259,22 +276,14 @@ impl Draft<'_> {
     }
 }
 
-/// One affine formula per name.
-fn linear_formulas(node: &Node<'_>, labels: &[String], what: &str, scope: Scope<'_>) -> Result<Vec<Expr>, Fault> {
+/// One formula per name.
+fn formulas(node: &Node<'_>, labels: &[String], what: &str, scope: Scope<'_>) -> Result<Vec<Expr>, Fault> {
     let entries = node.list("a list of formulas")?;
     if entries.len() != labels.len() {
         let expected = format!("{}, one per {what} ({})", labels.len(), labels.join(", "));
         return Err(node.wrong_count(entries.len(), expected));
     }
-    let read = |entry: &Node<'_>| {
-        let formula = entry.formula(scope)?;
-        linear::check(&formula).map_err(|offender| {
-            let text = crate::words::shorten(entry.source(offender.span));
-            Fault::new(offender.span, Cause::Nonlinear { text, key: entry.key.clone() })
-        })?;
-        Ok(formula)
-    };
-    entries.iter().map(read).collect()
+    entries.iter().map(|entry| entry.formula(scope)).collect()
 }
 
 /// One strength for all axes, a list with one per axis, or a table by axis.

@@ -55,7 +55,11 @@ pub(super) fn of(kind: &FilterKind, parameters: &[f64], m: usize) -> Result<Opti
         values.push(value);
     }
     Ok(match kind {
-        FilterKind::Kalman(_) => None,
+        FilterKind::Kalman(_)
+        | FilterKind::Extended(_)
+        | FilterKind::Iterated(_)
+        | FilterKind::Unscented(_)
+        | FilterKind::Cubature(_) => None,
         FilterKind::SageHusa(_) => Some(Box::new(sage_husa::SageHusa::new(&values))),
         FilterKind::SageHusaR(_) => Some(Box::new(sage_husa_r::SageHusaR::new(&values, m))),
         FilterKind::Fuzzy(fuzzy) => Some(Box::new(fuzzy::Fuzzy::new(&values, fuzzy.window, m))),

@@ -6,8 +6,8 @@
 
 use super::sum::Sum;
 use crate::model::{
-    Expr, ExprKind, FilterKind, First, Model, Parameter, Parameters, Problem, Scale, Search, Start, Symbol, TuneSpec,
-    Value,
+    Angles, Expr, ExprKind, FilterKind, First, Model, Parameter, Parameters, Problem, Scale, Search, Start, Symbol,
+    TuneSpec, Value,
 };
 use crate::objective::{Constraint, Objective};
 
@@ -34,9 +34,16 @@ impl Canon {
 
     fn model(&mut self, model: &Model) {
         // How a built-in model was called is said nowhere in a search: its formulas count.
-        let Model { kind: _, states, measurements, inputs, f, h, q, r, x0, p0, first } = model;
+        let Model { kind: _, states, measurements, inputs, angles, f, h, q, r, x0, p0, first } = model;
         for (word, names) in [("states", states), ("measurements", measurements), ("inputs", inputs)] {
             self.list(word, names, |canon, name| canon.0.text(name));
+        }
+        let Angles { states, measurements } = angles;
+        for (word, indices) in [("angle states", states), ("angle measurements", measurements)] {
+            // Problems without angles keep the identity that they had before there were any.
+            if !indices.is_empty() {
+                self.list(word, indices, |canon, index| canon.0.number(*index as u64));
+            }
         }
         for (word, formulas) in [("f", f), ("h", h), ("Q", q), ("R", r), ("P0", p0)] {
             self.list(word, formulas, Self::formula);

@@ -115,6 +115,12 @@ fn within(g: &mut Graph, range: Range, value: Id) -> Id {
     let (one, no) = (g.constant(1.0), g.constant(-1.0));
     match range {
         Range::Positive => value,
+        Range::NotNegative => {
+            let below = g.neg(value);
+            g.select(below, no, one)
+        }
+        // What is not finite makes a cost that is not.
+        Range::Any => one,
         Range::Share => {
             let above = g.sub(value, one);
             g.select(above, no, value)

@@ -1,0 +1,27 @@
+//! The extended Kalman filter.
+
+use super::{Adapts, Described, Facts, Setting, Settings};
+use crate::model::error::Fault;
+
+/// f and h are replaced by their tangents at the mean: Jazwinski, *Stochastic Processes and Filtering Theory* (1970),
+/// section 8.3. It has no settings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Extended;
+
+impl Described for Extended {
+    const NAME: &'static str = "extended";
+    const KEYS: &'static [&'static str] = &[];
+    const LINEAR: bool = false;
+
+    fn read(_: &dyn Settings) -> Result<Self, Fault> {
+        Ok(Self)
+    }
+
+    fn settings(&self) -> Vec<Setting<'_>> {
+        vec![]
+    }
+
+    fn facts(&self) -> Facts<'_> {
+        Facts { adapts: Adapts::Nothing, noise_floor: None }
+    }
+}

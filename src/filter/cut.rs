@@ -70,6 +70,7 @@ impl Program {
         let p = |(i, j): (usize, usize)| match self.carrying.form {
             Form::Full => carried[i * n + j],
             Form::Factored => (j..n).map(|k| u(i, k) * carried[k * n + k] * u(j, k)).sum(),
+            Form::Lower => (0..=i).map(|k| u(k, i) * carried[k * n + k] * u(k, j)).sum(),
         };
         Symmetric::places(n).map(p).collect()
     }

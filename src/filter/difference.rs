@@ -1,15 +1,15 @@
-//! What a candidate's parameters change of a formula where the states are the nominal's.
+//! How far formulas move from the nominal: by a candidate's parameters, and by its states.
 
 use super::carried::narrow;
 use super::tracer::Tracer;
-use crate::tape::{Calculator, Graph, Id, Leaf, Moved, Sum};
+use crate::tape::{Calculator, Differences, Graph, Id, Leaf, Moved, Sum};
 use std::collections::HashMap;
 
-/// For formulas of free variables how far they move when the parameters do from `candidate`, at the states `x`.
-pub(super) fn by_parameters(t: &mut Tracer<'_>, formulas: &[Id], x: &[Id], candidate: &[f64]) -> Vec<Id> {
+/// For formulas of free variables what becomes of them when the states move as `x` says and the parameters from `candidate`.
+pub(super) fn around(t: &mut Tracer<'_>, formulas: &[Id], x: &[Moved], candidate: &[f64]) -> Differences {
     let mut leaves = HashMap::new();
     for (j, x) in x.iter().enumerate() {
-        leaves.insert(Leaf::Variable(narrow(j)), Moved::still(&mut t.g, *x));
+        leaves.insert(Leaf::Variable(narrow(j)), *x);
     }
     for (p, base) in candidate.iter().enumerate() {
         let leaf = Leaf::Parameter(narrow(p));
@@ -23,8 +23,7 @@ pub(super) fn by_parameters(t: &mut Tracer<'_>, formulas: &[Id], x: &[Id], candi
         Leaf::Column(column) => columns.value(column, row),
         _ => f64::NAN,
     };
-    let moved = t.g.difference(formulas, &leaves, &mut |g, sum| cancels(g, sum, rows, &value));
-    moved.into_iter().map(|moved| moved.delta).collect()
+    t.g.difference(formulas, &leaves, &mut |g, sum| cancels(g, sum, rows, &value))
 }
 
 /// Whether a sum is far smaller than its operands in some of the rows, so that rounded operands would leave it few digits.

@@ -35,5 +35,13 @@ pub(super) trait Family {
     ///
     /// # Errors
     /// If the model does not fit the filter.
-    fn predict(&self, t: &mut Tracer<'_>, row: &Row, posterior: &[Id]) -> Result<Vec<Id>, TraceError>;
+    fn predict(&self, t: &mut Tracer<'_>, row: &Row, posterior: &[Id]) -> Result<Predicted, TraceError>;
+}
+
+/// What a time update makes.
+pub(super) struct Predicted {
+    /// The entries before the next row.
+    pub(super) prior: Vec<Id>,
+    /// What a candidate fails without.
+    pub(super) positive: Vec<Id>,
 }

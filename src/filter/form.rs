@@ -9,6 +9,8 @@ pub enum Form {
     Full,
     /// The factors of P = U D U' (Bierman 1977): what a diffuse P0 needs in single precision.
     Factored,
+    /// The factors of P = L D L': the same from the other end, for filters that draw points along the columns of L.
+    Lower,
 }
 
 impl Display for Form {
@@ -16,6 +18,7 @@ impl Display for Form {
         f.write_str(match self {
             Self::Full => "covariance P",
             Self::Factored => "factors P = U D U'",
+            Self::Lower => "factors P = L D L'",
         })
     }
 }
@@ -35,4 +38,6 @@ pub(super) struct Carrying {
     pub(super) form: Form,
     /// Whether x may be so far off before an update that taking the correction off it leaves its rounding.
     pub(super) anchored: bool,
+    /// Whether every rule takes affine formulas for what they are; else as any others, which tests compare.
+    pub(super) affine: bool,
 }

@@ -9,21 +9,31 @@ use super::tracer::Tracer;
 use crate::model::{Expr, Start};
 use crate::tape::{Id, Leaf};
 
-/// An affine map: its Jacobian (derived, never typed), and its value at x = 0.
-pub(super) struct AffineMap {
-    /// Rows of it.
+/// f or h.
+pub(super) struct MapNodes {
+    /// Rows of its Jacobian (derived, never typed), of free variables for the states where they are not affine.
     pub(super) jacobian: Vec<Vec<Id>>,
+    /// Its value at x = 0, for affine rows.
     pub(super) offset: Vec<Id>,
     /// The formulas themselves, of free variables for the states.
     pub(super) values: Vec<Id>,
+    /// For each row whether it is affine in the states.
+    pub(super) affine: Vec<bool>,
+}
+
+impl MapNodes {
+    /// Whether every row is affine.
+    pub(super) fn is_affine(&self) -> bool {
+        self.affine.iter().all(|affine| *affine)
+    }
 }
 
 /// The model in the problem's own units. Searched parameters are leaves, or the values of one candidate.
 pub(super) struct ModelNodes {
     /// Time update: F, and f(0).
-    pub(super) f: AffineMap,
+    pub(super) f: MapNodes,
     /// Measurement: H, and h(0).
-    pub(super) h: AffineMap,
+    pub(super) h: MapNodes,
     /// Covariance of the process noise of one step, n x n.
     pub(super) Q: Symmetric,
     /// Covariance of the measurement noise, m x m.
@@ -55,8 +65,8 @@ impl ModelNodes {
         let parameters = formula::parameters(&mut t.g, &t.problem.parameters, candidate);
         let scope = Scope { states: &[], parameters: &parameters, inputs: &inputs, dt };
         let model = &t.problem.model;
-        let f = affine(t, &model.f, scope, ("f", &model.states))?;
-        let h = affine(t, &model.h, scope, ("h", &model.measurements))?;
+        let f = map(t, &model.f, scope, ("f", &model.states))?;
+        let h = map(t, &model.h, scope, ("h", &model.measurements))?;
         let mut value = |formula: &Expr| formula::trace(&mut t.g, formula, scope);
         let mut covariance = |entries: &[Expr]| {
             let n = entries.len().isqrt();
@@ -72,26 +82,28 @@ impl ModelNodes {
     }
 }
 
-/// Formulas as an affine map of the states; `what` names them.
-fn affine(
+/// Formulas as a map of the states; `what` names them.
+fn map(
     t: &mut Tracer<'_>,
     formulas: &[Expr],
     scope: Scope<'_>,
     what: (&'static str, &[String]),
-) -> Result<AffineMap, TraceError> {
+) -> Result<MapNodes, TraceError> {
     let n = t.problem.model.states.len();
     let variables: Vec<Id> = (0..n).map(|j| t.g.leaf(Leaf::Variable(narrow(j)))).collect();
     let zeros = vec![t.g.constant(0.0); n];
-    let mut affine = AffineMap { jacobian: vec![], offset: vec![], values: vec![] };
+    let mut map = MapNodes { jacobian: vec![], offset: vec![], values: vec![], affine: vec![] };
     for (formula, name) in formulas.iter().zip(what.1) {
         let value = formula::trace(&mut t.g, formula, Scope { states: &variables, ..scope });
         let row: Vec<Id> = (0..n).map(|j| t.g.differentiate(value, Leaf::Variable(narrow(j)))).collect();
-        if row.iter().any(|derivative| t.g.depends(*derivative).has_variable()) {
+        let affine = !row.iter().any(|derivative| t.g.depends(*derivative).has_variable());
+        if !affine && t.problem.filter.is_linear() {
             return Err(TraceError::NotLinear { formula: what.0, name: name.clone() });
         }
-        affine.jacobian.push(row);
-        affine.values.push(value);
-        affine.offset.push(formula::trace(&mut t.g, formula, Scope { states: &zeros, ..scope }));
+        map.affine.push(affine);
+        map.jacobian.push(row);
+        map.values.push(value);
+        map.offset.push(formula::trace(&mut t.g, formula, Scope { states: &zeros, ..scope }));
     }
-    Ok(affine)
+    Ok(map)
 }

@@ -1,7 +1,7 @@
 //! What a trajectory starts from: the numbers behind [`Leaf::Start`](crate::tape::Leaf::Start).
 
 use super::error::TraceError;
-use super::nodes::{AffineMap, ModelNodes};
+use super::nodes::{MapNodes, ModelNodes};
 use super::tracer::Tracer;
 use crate::model::Start;
 use crate::tape::{Calculator, Id};
@@ -33,7 +33,7 @@ struct MeasuredStart(Calculator);
 
 impl MeasuredStart {
     fn new(t: &mut Tracer<'_>) -> Result<Self, TraceError> {
-        let AffineMap { jacobian, offset, .. } = ModelNodes::new(t, Some(&t.problem.parameters.baseline()))?.h;
+        let MapNodes { jacobian, offset, .. } = ModelNodes::new(t, Some(&t.problem.parameters.baseline()))?.h;
         let ids: Vec<Id> = jacobian.into_iter().flatten().chain(offset).collect();
         Ok(Self(Calculator::new(&t.g, &ids)))
     }

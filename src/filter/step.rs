@@ -57,12 +57,13 @@ impl Traces {
         let mut scoring = Scoring::new(t, &evidence);
         let traced =
             request.objectives.iter().enumerate().map(|(i, objective)| objective.trace(scoring.asked_by(i))).collect();
-        let (mut sums, positive) = scoring.finish();
+        let (mut sums, mut positive) = scoring.finish();
         if let Some(watch) = request.watch {
             sums.extend(watch.sums(t, prior, &evidence, &posterior));
         }
-        let next = family.predict(t, &row, &posterior)?;
-        Ok(Self { next, sums, positive, traced })
+        let predicted = family.predict(t, &row, &posterior)?;
+        positive.extend(predicted.positive);
+        Ok(Self { next: predicted.prior, sums, positive, traced })
     }
 
     /// All that the step is made of.

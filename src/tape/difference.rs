@@ -8,7 +8,7 @@
 use super::codes::Binary;
 use super::graph::{Graph, Id, Leaf, Node};
 use super::moved::Moved;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// A sum or difference whose value may be its base plus its delta, or the sum of its operands' values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,6 +17,24 @@ pub struct Sum {
     pub operands: [Id; 2],
     /// Its own base.
     pub base: Id,
+}
+
+/// Where every value of some formulas is at one place, from which they may move again.
+#[derive(Debug, Clone, Default)]
+pub struct Centre {
+    /// By the node of the formula.
+    values: HashMap<Id, Id>,
+    /// Sums whose value is where they started plus how far they moved.
+    cancelling: HashSet<Id>,
+}
+
+/// What becomes of formulas when leaves move.
+#[derive(Debug, Clone)]
+pub struct Differences {
+    /// One a root.
+    pub roots: Vec<Moved>,
+    /// Where the move ends.
+    pub centre: Centre,
 }
 
 impl Graph {
@@ -31,32 +49,90 @@ impl Graph {
     ///   instead: where bases of the size 1e6 leave a difference of the size 1, the sum of their rounded values would lose six
     ///   digits. `cancels` is asked once a moving sum; a caller answers from the numbers of its nominal, for instance whether
     ///   max(|a|, |b|) > 4 |a + b| in some rows. Fewer such sums means fewer bases to provide (a column each).
-    ///
-    /// With 0 as base and the new node as delta (`Moved::by`), and `cancels` never true, the values are plain substitution.
     pub fn difference(
         &mut self,
         roots: &[Id],
         moved: &HashMap<Leaf, Moved>,
         cancels: &mut dyn FnMut(&Self, Sum) -> bool,
-    ) -> Vec<Moved> {
+    ) -> Differences {
+        let mut found: HashMap<Id, Moved> = HashMap::new();
+        let mut centre = Centre::default();
+        for id in self.reachable(roots, |_| true) {
+            let node = self.node(id);
+            let of = match node {
+                Node::Leaf(leaf) => moved.get(&leaf).copied().unwrap_or_else(|| Moved::still(self, id)),
+                _ => {
+                    let bases = self.operands(node).map(|operand| operand.map_or(id, |operand| found[&operand].base));
+                    let base = self.rebuilt(node, bases);
+                    match self.moving(node, &found) {
+                        None => Moved::still(self, base),
+                        Some(operands) => {
+                            let sum = matches!(node, Node::Binary(Binary::Add | Binary::Subtract, ..));
+                            let adds = sum && cancels(self, Sum { operands: [bases[0], bases[1]], base });
+                            centre.cancelling.extend(adds.then_some(id));
+                            self.moved_node(node, operands, base, adds)
+                        }
+                    }
+                }
+            };
+            centre.values.insert(id, of.value);
+            found.insert(id, of);
+        }
+        Differences { roots: roots.iter().map(|root| found[root]).collect(), centre }
+    }
+
+    /// The values of formulas with others in the place of leaves: plain substitution.
+    pub fn centre(&mut self, roots: &[Id], by: &HashMap<Leaf, Id>) -> (Vec<Id>, Centre) {
+        let mut values: HashMap<Id, Id> = HashMap::new();
+        for id in self.reachable(roots, |_| true) {
+            let value = match self.node(id) {
+                Node::Leaf(leaf) => by.get(&leaf).copied().unwrap_or(id),
+                node => {
+                    let operands = self.operands(node).map(|operand| operand.map_or(id, |operand| values[&operand]));
+                    self.rebuilt(node, operands)
+                }
+            };
+            values.insert(id, value);
+        }
+        (roots.iter().map(|root| values[root]).collect(), Centre { values, cancelling: HashSet::new() })
+    }
+
+    /// How far formulas move from a centre when leaves move from there by `deltas`.
+    ///
+    /// # Panics
+    /// If the centre is not one of these formulas.
+    pub fn difference_from(&mut self, roots: &[Id], centre: &Centre, deltas: &HashMap<Leaf, Id>) -> Vec<Id> {
         let mut found: HashMap<Id, Moved> = HashMap::new();
         for id in self.reachable(roots, |_| true) {
-            let operands = self.operands(self.node(id)).map(|operand| operand.map(|operand| found[&operand]));
-            let of = match self.node(id) {
-                Node::Leaf(leaf) => moved.get(&leaf).copied().unwrap_or_else(|| Moved::still(self, id)),
-                _ if operands.iter().flatten().all(|a| self.is(a.delta, 0.0)) => Moved::still(self, id),
-                node => {
-                    let none = Moved::still(self, id);
-                    self.moved_node(node, operands.map(|operand| operand.unwrap_or(none)), cancels)
-                }
+            let (node, base) = (self.node(id), centre.values[&id]);
+            let of = match node {
+                Node::Leaf(leaf) => match deltas.get(&leaf) {
+                    Some(delta) => Moved::by(self, base, *delta),
+                    None => Moved::still(self, base),
+                },
+                _ => match self.moving(node, &found) {
+                    None => Moved::still(self, base),
+                    Some(operands) => self.moved_node(node, operands, base, centre.cancelling.contains(&id)),
+                },
             };
             found.insert(id, of);
         }
-        roots.iter().map(|root| found[root]).collect()
+        roots.iter().map(|root| found[root].delta).collect()
     }
 
-    fn moved_node(&mut self, node: Node, [a, b, c]: [Moved; 3], cancels: &mut dyn FnMut(&Self, Sum) -> bool) -> Moved {
-        let [base, value] = [[a.base, b.base, c.base], [a.value, b.value, c.value]].map(|of| self.rebuilt(node, of));
+    /// The operands of a node, where one of them moves.
+    fn moving(&mut self, node: Node, found: &HashMap<Id, Moved>) -> Option<[Moved; 3]> {
+        let operands = self.operands(node).map(|operand| operand.map(|operand| found[&operand]));
+        let first = operands[0]?;
+        if operands.iter().flatten().all(|a| self.is(a.delta, 0.0)) {
+            return None;
+        }
+        Some(operands.map(|operand| operand.unwrap_or(first)))
+    }
+
+    /// A node whose operands move; where it `adds`, its value is its base and its delta.
+    fn moved_node(&mut self, node: Node, [a, b, c]: [Moved; 3], base: Id, adds: bool) -> Moved {
+        let value = self.rebuilt(node, [a.value, b.value, c.value]);
         let delta = match node {
             Node::Constant(_) | Node::Leaf(_) => a.delta,
             Node::Unary(op, _) => (op.row().difference)(self, a, [base, value]),
@@ -66,11 +142,7 @@ impl Graph {
                 self.select(a.value, then, otherwise)
             }
         };
-        let sum = matches!(node, Node::Binary(Binary::Add | Binary::Subtract, ..));
-        if sum && cancels(self, Sum { operands: [a.base, b.base], base }) {
-            return Moved::by(self, base, delta);
-        }
-        Moved { base, delta, value }
+        if adds { Moved::by(self, base, delta) } else { Moved { base, delta, value } }
     }
 
     /// The deltas of both choices; where the condition moves, each may be taken in the other's place.

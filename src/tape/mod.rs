@@ -26,7 +26,7 @@ pub mod wgsl;
 
 pub use calculator::Calculator;
 pub use codes::{Binary, Unary};
-pub use difference::Sum;
+pub use difference::{Centre, Differences, Sum};
 pub use functions::Function;
 pub use graph::{Depends, Graph, Id, Leaf, Node};
 pub use moved::Moved;

@@ -89,8 +89,27 @@ impl Factored {
 
     /// D on the diagonal and U above it, in the storage order of [`Symmetric`].
     pub(in crate::filter) fn entries(&self) -> Vec<Id> {
-        let entry = |(i, j): (usize, usize)| if i == j { self.d[i] } else { self.u[i][j] };
-        Symmetric::places(self.d.len()).map(entry).collect()
+        self.upper().upper().to_vec()
+    }
+
+    /// The same as a matrix of which only the upper triangle is meant.
+    pub(super) fn upper(&self) -> Symmetric {
+        Symmetric::from_fn(self.d.len(), |i, j| if i == j { self.d[i] } else { self.u[i][j] })
+    }
+
+    /// The sum of the squares of columns and Q.
+    pub(super) fn gathered(g: &mut Graph, columns: Vec<Vec<Id>>, q: &Symmetric) -> Self {
+        let (n, one) = (q.n(), g.constant(1.0));
+        let mut sum = Self::zero(g, n);
+        columns.into_iter().for_each(|column| sum.add(g, column, one));
+        let noise = Self::of(g, q);
+        sum.add_factors(g, &noise);
+        sum
+    }
+
+    /// D, and the rows of U.
+    pub(super) fn parts(&self) -> (&[Id], &[Vec<Id>]) {
+        (&self.d, &self.u)
     }
 
     /// Number of states.
@@ -167,10 +186,15 @@ impl Factored {
             let column = f.iter().map(|row| g.dot((0..=k).map(|j| (row[j], self.u[j][k])))).collect();
             next.add(g, column, self.d[k]);
         }
-        for k in 0..n {
-            next.add(g, noise.u.iter().map(|row| row[k]).collect(), noise.d[k]);
-        }
+        next.add_factors(g, noise);
         next
+    }
+
+    /// What it is and another.
+    fn add_factors(&mut self, g: &mut Graph, noise: &Self) {
+        for k in 0..noise.d.len() {
+            self.add(g, noise.u.iter().map(|row| row[k]).collect(), noise.d[k]);
+        }
     }
 
     /// U D U'.

@@ -2,9 +2,11 @@
 #![expect(non_snake_case, reason = "Kalman notation: F, H, Q, R, P, S, K")]
 
 mod factored;
+mod root;
 mod scalar;
 mod symmetric;
 
+pub(in crate::filter) use root::Root;
 pub(in crate::filter) use scalar::{Gain, Scalar};
 pub(in crate::filter) use symmetric::Symmetric;
 
@@ -17,6 +19,8 @@ use factored::Factored;
 pub(in crate::filter) enum Covariance {
     Full(Symmetric),
     Factored(Factored),
+    /// P = L D L': the factors U D U' of the states in reverse order.
+    Lower(Factored),
 }
 
 impl Covariance {
@@ -25,6 +29,7 @@ impl Covariance {
         match form {
             Form::Full => Self::Full(P),
             Form::Factored => Self::Factored(Factored::of(g, &P)),
+            Form::Lower => Self::Lower(Factored::of(g, &P.reversed())),
         }
     }
 
@@ -36,6 +41,7 @@ impl Covariance {
         match form {
             Form::Full => Self::Full(upper),
             Form::Factored => Self::Factored(Factored::from_entries(g, &upper)),
+            Form::Lower => Self::Lower(Factored::from_entries(g, &upper.reversed())),
         }
     }
 
@@ -44,15 +50,17 @@ impl Covariance {
         match self {
             Self::Full(P) => P.upper().to_vec(),
             Self::Factored(factors) => factors.entries(),
+            Self::Lower(factors) => factors.upper().reversed().upper().to_vec(),
         }
     }
 
-    /// Names of the entries: `P.d.v`, or `U.d.v` above the diagonal and `D.d` on it.
+    /// Names of the entries: `P.d.v`, or `U.d.v` above the diagonal (`L.v.d` for what is below it) and `D.d` on it.
     pub(in crate::filter) fn names(form: Form, states: &[String]) -> Vec<String> {
         let name = |(i, j): (usize, usize)| match form {
             Form::Full => format!("P.{}.{}", states[i], states[j]),
-            Form::Factored if i == j => format!("D.{}", states[i]),
+            Form::Factored | Form::Lower if i == j => format!("D.{}", states[i]),
             Form::Factored => format!("U.{}.{}", states[i], states[j]),
+            Form::Lower => format!("L.{}.{}", states[j], states[i]),
         };
         Symmetric::places(states.len()).map(name).collect()
     }
@@ -68,6 +76,39 @@ impl Covariance {
                 let Q = Q.factors(g);
                 Self::Factored(factors.propagate(g, F, &Q))
             }
+            Self::Lower(factors) => {
+                let F: Vec<Vec<Id>> = F.iter().rev().map(|row| reversed(row)).collect();
+                let Q = Q.matrix(g).reversed();
+                let Q = Factored::of(g, &Q);
+                Self::Lower(factors.propagate(g, &F, &Q))
+            }
+        }
+    }
+
+    /// The sum of the squares of columns and Q, in the form of P.
+    pub(in crate::filter) fn gathered(&self, g: &mut Graph, columns: &[Vec<Id>], Q: &Self) -> Self {
+        let Q = Q.matrix(g);
+        match self {
+            Self::Full(_) => Self::Full(Symmetric::from_fn(self.n(), |i, j| {
+                let squares = g.dot(columns.iter().map(|column| (column[i], column[j])));
+                g.add(squares, Q.at(i, j))
+            })),
+            Self::Factored(_) => Self::Factored(Factored::gathered(g, columns.to_vec(), &Q)),
+            Self::Lower(_) => {
+                let columns = columns.iter().map(|column| reversed(column)).collect();
+                Self::Lower(Factored::gathered(g, columns, &Q.reversed()))
+            }
+        }
+    }
+
+    /// L with P = L L', lower triangular.
+    pub(in crate::filter) fn root(&self, g: &mut Graph) -> Root {
+        match self {
+            Self::Lower(factors) => Root::of_factors(g, factors),
+            _ => {
+                let P = self.matrix(g);
+                Root::of(g, &P)
+            }
         }
     }
 
@@ -75,7 +116,7 @@ impl Covariance {
     pub(in crate::filter) fn n(&self) -> usize {
         match self {
             Self::Full(P) => P.n(),
-            Self::Factored(factors) => factors.n(),
+            Self::Factored(factors) | Self::Lower(factors) => factors.n(),
         }
     }
 
@@ -84,13 +125,19 @@ impl Covariance {
         match self {
             Self::Full(P) => P.clone(),
             Self::Factored(factors) => factors.product(g),
+            Self::Lower(factors) => factors.product(g).reversed(),
         }
     }
 
+    /// The factors U D U'.
     fn factors(&self, g: &mut Graph) -> Factored {
         match self {
             Self::Full(P) => Factored::of(g, P),
             Self::Factored(factors) => factors.clone(),
+            Self::Lower(_) => {
+                let P = self.matrix(g);
+                Factored::of(g, &P)
+            }
         }
     }
 
@@ -104,6 +151,7 @@ impl Covariance {
                 *P = Symmetric::from_fn(v.len(), |i, j| g.dot([(kept, P.at(i, j)), (part[i], v[j])]));
             }
             Self::Factored(factors) => factors.fade(g, kept, v.to_vec(), d),
+            Self::Lower(factors) => factors.fade(g, kept, reversed(v), d),
         }
     }
 
@@ -112,6 +160,7 @@ impl Covariance {
         match self {
             Self::Full(P) => P.variance(g, H, R),
             Self::Factored(factors) => factors.variance(g, H, R),
+            Self::Lower(factors) => factors.variance(g, &reversed(H), R),
         }
     }
 
@@ -120,6 +169,10 @@ impl Covariance {
         match self {
             Self::Full(P) => P.update(g, scalar),
             Self::Factored(factors) => factors.update(g, scalar),
+            Self::Lower(factors) => {
+                let gain = factors.update(g, &Scalar { H: &reversed(scalar.H), ..*scalar });
+                Gain { K: reversed(&gain.K), ..gain }
+            }
         }
     }
 
@@ -128,8 +181,13 @@ impl Covariance {
         match self {
             Self::Full(P) => P.normalised_square(g, e),
             Self::Factored(factors) => factors.normalised_square(g, e),
+            Self::Lower(factors) => factors.normalised_square(g, &reversed(e)),
         }
     }
+}
+
+fn reversed(values: &[Id]) -> Vec<Id> {
+    values.iter().rev().copied().collect()
 }
 
 /// The recursion on P itself. Only the upper triangle exists, and that alone keeps it symmetric.

@@ -41,6 +41,12 @@ impl Symmetric {
         self.n
     }
 
+    /// The same with rows and columns in reverse order.
+    pub(in crate::filter) fn reversed(&self) -> Self {
+        let last = self.n.saturating_sub(1);
+        Self::from_fn(self.n, |i, j| self.at(last - i, last - j))
+    }
+
     /// The sum with another of its size.
     pub(in crate::filter) fn plus(&self, g: &mut Graph, other: &Self) -> Self {
         Self::from_fn(self.n, |i, j| g.add(self.at(i, j), other.at(i, j)))

@@ -9,17 +9,17 @@ use super::carried::narrow;
 use super::covariance::{Covariance, Symmetric};
 use super::error::TraceError;
 use super::evidence::{Evidence, Factor};
-use super::family::Family;
-use super::form::Carrying;
+use super::family::{Family, Predicted};
+use super::form::{Carrying, Form};
 use super::nodes::ModelNodes;
 use super::row::Row;
 use super::tracer::Tracer;
 use super::units::{self, scaled};
 use crate::model::{First, Model};
-use crate::tape::{Graph, Id, Leaf};
+use crate::tape::{Graph, Id, Leaf, Unary};
 use adapt::{Adaptation, Noise, Seen, in_range};
 use moments::{Map, MomentRule, Moments};
-use update::Measurement;
+use update::{Measurement, Update, Updated};
 
 /// A gaussian filter: mean, covariance in the form it is carried in, and the memory of what adapts.
 pub(super) struct Gaussian<M, A> {
@@ -55,48 +55,97 @@ impl<M: MomentRule, A: Adaptation> Gaussian<M, A> {
     }
 
     /// The time update: x <- E f(x), P <- F P F' + excess + Q.
-    fn step(&self, t: &mut Tracer<'_>, row: &Row, State { x, P, .. }: &State, Q: Covariance) -> Stepped {
-        let Moments { fixed, moved, linear, jacobian, excess } = self.rule.through(t, row, Map::Transition, x, P)?;
+    fn step(
+        &self,
+        t: &mut Tracer<'_>,
+        row: &Row,
+        State { x, P, .. }: &State,
+        Q: Covariance,
+    ) -> Result<Stepped, TraceError> {
+        let Moments { fixed, moved, linear, jacobian, excess, columns, positive } =
+            self.rule.through(t, row, Map::Transition, x, P)?;
         let mut next = Vec::with_capacity(x.len());
         for (linear, (fixed, moved)) in linear.iter().zip(fixed.iter().zip(&moved)) {
             let drift = t.g.add(*fixed, *moved);
             next.push(t.g.add(*linear, drift));
         }
-        let Q = match excess {
-            None => Q,
-            Some(excess) => Covariance::Full(Q.matrix(&mut t.g).plus(&mut t.g, &excess)),
+        let P = match (columns, excess) {
+            (None, None) => P.propagate(&mut t.g, &jacobian, &Q),
+            (None, Some(excess)) => {
+                let Q = Covariance::Full(Q.matrix(&mut t.g).plus(&mut t.g, &excess));
+                P.propagate(&mut t.g, &jacobian, &Q)
+            }
+            (Some(columns), Some(excess)) if self.carrying.form == Form::Full => {
+                let Q = Covariance::Full(Q.matrix(&mut t.g).plus(&mut t.g, &excess));
+                P.gathered(&mut t.g, &columns.linear, &Q)
+            }
+            (Some(columns), _) => P.gathered(&mut t.g, &[columns.linear, columns.excess].concat(), &Q),
         };
-        Ok((next, P.propagate(&mut t.g, &jacobian, &Q)))
+        Ok(Stepped { x: next, P, positive })
     }
 
-    /// The measurement of a row against a prior.
+    /// The measurement of a row as it is seen from `at`, against the prior; and what that fails without.
     fn measurement(
         &self,
         t: &mut Tracer<'_>,
         row: &Row,
-        State { x, P, .. }: &State,
-        R: Symmetric,
-    ) -> Result<Measurement, TraceError> {
-        let Moments { fixed, moved, linear, jacobian: H, excess } =
-            self.rule.through(t, row, Map::Measurement, x, P)?;
+        (State { P, .. }, at): (&State, &[Id]),
+        R: &Symmetric,
+    ) -> Result<(Measurement, Vec<Id>), TraceError> {
+        let Moments { fixed, moved, linear, jacobian: H, excess, positive, .. } =
+            self.rule.through(t, row, Map::Measurement, at, P)?;
         let z = scaled(&mut t.g, &row.z, &t.units.measurements);
         let (mut free, mut nu) = (Vec::with_capacity(z.len()), Vec::with_capacity(z.len()));
         for (i, z) in z.into_iter().enumerate() {
+            let turns = t.problem.model.angles.measurement(i);
+            let wrapped = |g: &mut Graph, a: Id| if turns { g.unary(Unary::Wrap, a) } else { a };
             let z = t.g.sub(z, fixed[i]);
+            // What is the same for all candidates is wrapped in f64.
+            let z = wrapped(&mut t.g, z);
             let z = t.g.sub(z, moved[i]);
             free.push(z);
-            nu.push(t.g.sub(z, linear[i]));
+            let innovation = t.g.sub(z, linear[i]);
+            nu.push(wrapped(&mut t.g, innovation));
         }
         let R = match excess {
-            None => R,
+            None => R.clone(),
             Some(excess) => R.plus(&mut t.g, &excess),
         };
-        Ok(Measurement { H, R, nu, z: free, present: row.present.clone(), anchored: self.carrying.anchored })
+        let (present, anchored) = (row.present.clone(), self.carrying.anchored);
+        Ok((Measurement { H, R, nu, z: free, present, anchored }, positive))
+    }
+
+    /// The update of a prior, linearised as often as the rule says: the evidence is that of the first time, where the prior is.
+    fn updated(
+        &self,
+        t: &mut Tracer<'_>,
+        row: &Row,
+        state: &State,
+        R: &Symmetric,
+    ) -> Result<(Measurement, Vec<Id>, Updated), TraceError> {
+        let (measurement, positive) = self.measurement(t, row, (state, &state.x), R)?;
+        let mut updated = measurement.update(&mut t.g, &state.x, &state.P);
+        for _ in 1..self.rule.iterations(row) {
+            let (_, at, _) = &updated;
+            let (mut again, _) = self.measurement(t, row, (state, at), R)?;
+            // z - h(x_i) - H_i (x - x_i): what the prior x would be off if h were its tangent at x_i.
+            for (nu, H) in again.nu.iter_mut().zip(&again.H) {
+                let seen = t.g.dot(H.iter().copied().zip(updated.0.correction.iter().copied()));
+                *nu = t.g.add(*nu, seen);
+            }
+            let (update, x, P) = again.update(&mut t.g, &state.x, &state.P);
+            updated = (Update { correction: update.correction, ..updated.0 }, x, P);
+        }
+        Ok((measurement, positive, updated))
     }
 }
 
-/// Mean and covariance after a time update.
-type Stepped = Result<(Vec<Id>, Covariance), TraceError>;
+/// Mean and covariance after a time update, and what that fails without.
+struct Stepped {
+    x: Vec<Id>,
+    P: Covariance,
+    positive: Vec<Id>,
+}
 
 impl<M: MomentRule, A: Adaptation> Family for Gaussian<M, A> {
     fn names(&self, model: &Model) -> Vec<String> {
@@ -125,7 +174,8 @@ impl<M: MomentRule, A: Adaptation> Family for Gaussian<M, A> {
             let dt = t.g.constant(dt);
             let row = Row { model: ModelNodes::at(t, None, dt)?, nominal: None, z: vec![], present: vec![] };
             let Q = Noise::of(t, &row.model).Q;
-            (x, P) = self.step(t, &row, &State { x, P, memory: vec![] }, Q)?;
+            let stepped = self.step(t, &row, &State { x, P, memory: vec![] }, Q)?;
+            (x, P) = (stepped.x, stepped.P);
         }
         if t.nominal.is_some() {
             for (i, x) in x.iter_mut().enumerate() {
@@ -143,11 +193,10 @@ impl<M: MomentRule, A: Adaptation> Family for Gaussian<M, A> {
         let n = t.problem.model.states.len();
         let state = self.unpack(&mut t.g, n, prior);
         let noise = self.noise(t, &row.model, &state.memory);
-        let measurement = self.measurement(t, row, &state, noise.R)?;
-        let (update, x, P) = measurement.update(&mut t.g, &state.x, &state.P);
+        let (measurement, positive, (update, x, P)) = self.updated(t, row, &state, &noise.R)?;
         let seen = Seen { measurement: &measurement, update: &update, prior: &state.P };
         let memory = self.adaptation.adapt(t, self.carrying.form, row, state.memory, &seen);
-        let positive = in_range(t, &row.model.settings);
+        let positive = [positive, in_range(t, &row.model.settings)].concat();
         let posterior = [x.clone(), P.entries(), memory].concat();
         let alone = (0..n).map(|i| measurement.alone(&t.g, i)).collect();
         let zero = t.g.constant(0.0);
@@ -167,12 +216,12 @@ impl<M: MomentRule, A: Adaptation> Family for Gaussian<M, A> {
         Ok((evidence, posterior))
     }
 
-    fn predict(&self, t: &mut Tracer<'_>, row: &Row, posterior: &[Id]) -> Result<Vec<Id>, TraceError> {
+    fn predict(&self, t: &mut Tracer<'_>, row: &Row, posterior: &[Id]) -> Result<Predicted, TraceError> {
         let n = t.problem.model.states.len();
         let state = self.unpack(&mut t.g, n, posterior);
         let noise = self.noise(t, &row.model, &state.memory);
-        let (x, P) = self.step(t, row, &state, noise.Q)?;
-        Ok([x, P.entries(), state.memory].concat())
+        let Stepped { x, P, positive } = self.step(t, row, &state, noise.Q)?;
+        Ok(Predicted { prior: [x, P.entries(), state.memory].concat(), positive })
     }
 }
 

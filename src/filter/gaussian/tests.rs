@@ -39,11 +39,11 @@ fn step(q: f64, r: f64, rule: Wider, form: Form) -> Vec<f64> {
     let log = Log::read(&problem.data, "t,z\n0,3\n1,4\n".as_bytes(), "log.csv").unwrap();
     let (rows, units, mut columns) = (Rows::new(&problem, &log), Units::own(1, 1), Columns::default());
     let mut t = Tracer::new(&problem, &rows, &mut columns, &units, None);
-    let filter = Gaussian::new(Carrying { form, anchored: false }, rule, NoAdaptation);
+    let filter = Gaussian::new(Carrying { form, anchored: false, affine: true }, rule, NoAdaptation);
     let row = Row::new(&mut t).unwrap();
     let prior = [1.0, 2.0].map(|value| t.g.constant(value));
     let (evidence, posterior) = filter.update(&mut t, &row, &prior).unwrap();
-    let next = filter.predict(&mut t, &row, &posterior).unwrap();
+    let next = filter.predict(&mut t, &row, &posterior).unwrap().prior;
     Calculator::new(&t.g, &[next, evidence.spread].concat()).evaluate(|leaf| t.at(leaf, 0)).collect()
 }
 

@@ -35,10 +35,13 @@ pub(super) struct Update {
     pub(super) correction: Vec<Id>,
 }
 
+/// What an update did, and the mean and covariance after it.
+pub(super) type Updated = (Update, Vec<Id>, Covariance);
+
 impl Measurement {
     /// The measurement update. R = L D L' decorrelates the components (L unit, so the likelihood needs no Jacobian);
     /// with a missing component its row of H, its innovation and its row of R are 0 and its variance is 1.
-    pub(super) fn update(&self, g: &mut Graph, x: &[Id], P: &Covariance) -> (Update, Vec<Id>, Covariance) {
+    pub(super) fn update(&self, g: &mut Graph, x: &[Id], P: &Covariance) -> Updated {
         let (n, m) = (x.len(), self.H.len());
         let zero = g.constant(0.0);
         let correlated = self.correlated(g);

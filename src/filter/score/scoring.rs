@@ -167,6 +167,12 @@ impl<'a, 'b> Scoring<'a, 'b> {
             let nominal = t.columns.node(&mut t.g, Key::Nominal(i), || nominal.at(i));
             truth = t.g.sub(truth, nominal);
         }
+        if t.problem.model.angles.state(i) {
+            // What is the same for all candidates is wrapped in f64.
+            truth = t.g.unary(Unary::Wrap, truth);
+            let error = t.g.sub(self.evidence.state[i], truth);
+            return t.g.unary(Unary::Wrap, error);
+        }
         truth = t.g.scale(truth, -t.units.states[i]);
         t.g.sub(self.evidence.state[i], truth)
     }

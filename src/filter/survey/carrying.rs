@@ -4,7 +4,7 @@ use super::probe::Probe;
 use super::{Survey, corners};
 use crate::filter::error::TraceError;
 use crate::filter::form::{Carrying, Form};
-use crate::model::Adapts;
+use crate::model::{Adapts, Problem};
 use crate::precision::Precision;
 
 /// By the problem and its log alone, unless the form is given.
@@ -19,7 +19,11 @@ pub(in crate::filter) fn choose(
     precision: Precision,
     form: Option<Form>,
 ) -> Result<(Carrying, Option<Vec<f64>>), TraceError> {
-    let (diffuseness, problem) = (diffuseness(survey), survey.t.problem);
+    let problem = survey.t.problem;
+    if !problem.filter.is_linear() {
+        return Ok((curved(problem, precision, form), None));
+    }
+    let diffuseness = diffuseness(survey);
     let single = precision == Precision::F32;
     let limit = if single { Form::DIFFUSE } else { Form::DIFFUSE_F64 };
     let probe = Probe::run(survey, !single && diffuseness > limit)?;
@@ -29,7 +33,17 @@ pub(in crate::filter) fn choose(
     let diffuse = if single { adapts_q || diffuseness > limit } else { start };
     let chosen = if diffuse || anchored { Form::Factored } else { Form::Full };
     let track = probe.filter(|_| anchored).map(|probe| probe.track);
-    Ok((Carrying { form: form.unwrap_or(chosen), anchored }, track))
+    // An angle is known but for whole turns: x cannot be held against it once more.
+    let anchored = anchored && problem.model.angles.measurements.is_empty();
+    Ok((Carrying { form: form.unwrap_or(chosen), anchored, affine: true }, track))
+}
+
+/// Filters of any f and h: single precision carries factors (P lost up to two digits more in the median over ten problems), from
+/// the end at which their points are drawn; double precision carries P.
+fn curved(problem: &Problem, precision: Precision, form: Option<Form>) -> Carrying {
+    let factors = if problem.filter.facts().ordered { Form::Lower } else { Form::Factored };
+    let chosen = if precision == Precision::F32 { factors } else { Form::Full };
+    Carrying { form: form.unwrap_or(chosen), anchored: false, affine: true }
 }
 
 /// The largest P0_ii, times the largest H_ji^2 (which brings it to the unit of the measurements), over the smallest R_jj

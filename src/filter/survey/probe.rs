@@ -54,7 +54,7 @@ impl Probe {
         if !diffuse && watch.after.iter().all(|after| *after <= 0.0) {
             return Ok(None);
         }
-        let carrying = Carrying { form: Form::Full, anchored: false };
+        let carrying = Carrying { form: Form::Full, anchored: false, affine: true };
         let units = units::choose(survey, Precision::F64);
         let request = Request { objectives: &[], nominal: None, carrying, units: &units, watch: Some(&watch) };
         let program = trace_rows(problem, rows, &mut Columns::default(), &request)?;

@@ -21,7 +21,17 @@ const LARGEST: f64 = 500.0;
 
 /// Where every variance is within 2^-`window` and 2^`window`, the problem's own; else one power of two for all, which
 /// leaves F and H alone, where that brings them there; else one each.
+///
+/// An angle is always in radians, of which 2 pi make a turn.
 pub(in crate::filter) fn choose(survey: &Survey<'_>, precision: Precision) -> Units {
+    let mut units = of_sizes(survey, precision);
+    let angles = &survey.t.problem.model.angles;
+    angles.states.iter().for_each(|i| units.states[*i] = 0);
+    angles.measurements.iter().for_each(|i| units.measurements[*i] = 0);
+    units
+}
+
+fn of_sizes(survey: &Survey<'_>, precision: Precision) -> Units {
     // A product of innovation variances is split every 2 rows in f32 and every 8 in f64 (tape/lanes.rs), which holds
     // variances from 2^-62 to 2^62 and from 2^-127 to 2^127; the rest is for candidates beyond those looked at.
     let window = match precision {

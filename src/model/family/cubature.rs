@@ -22,6 +22,6 @@ impl Described for Cubature {
     }
 
     fn facts(&self) -> Facts<'_> {
-        Facts { adapts: Adapts::Nothing, noise_floor: None }
+        Facts { ordered: true, adapts: Adapts::Nothing, noise_floor: None }
     }
 }

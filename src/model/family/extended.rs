@@ -22,6 +22,6 @@ impl Described for Extended {
     }
 
     fn facts(&self) -> Facts<'_> {
-        Facts { adapts: Adapts::Nothing, noise_floor: None }
+        Facts { ordered: false, adapts: Adapts::Nothing, noise_floor: None }
     }
 }

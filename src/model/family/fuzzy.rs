@@ -36,6 +36,6 @@ impl Described for Fuzzy {
     }
 
     fn facts(&self) -> Facts<'_> {
-        Facts { adapts: Adapts::MeasurementNoise, noise_floor: None }
+        Facts { ordered: false, adapts: Adapts::MeasurementNoise, noise_floor: None }
     }
 }

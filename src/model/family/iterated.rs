@@ -32,6 +32,6 @@ impl Described for Iterated {
     }
 
     fn facts(&self) -> Facts<'_> {
-        Facts { adapts: Adapts::Nothing, noise_floor: None }
+        Facts { ordered: false, adapts: Adapts::Nothing, noise_floor: None }
     }
 }

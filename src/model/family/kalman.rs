@@ -20,6 +20,6 @@ impl Described for Kalman {
     }
 
     fn facts(&self) -> Facts<'_> {
-        Facts { adapts: Adapts::Nothing, noise_floor: None }
+        Facts { ordered: false, adapts: Adapts::Nothing, noise_floor: None }
     }
 }

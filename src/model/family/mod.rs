@@ -40,6 +40,8 @@ pub enum Adapts {
 /// What others have to know about a filter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Facts<'a> {
+    /// Whether results depend on the order of the states: points are drawn along the columns of a triangular root of P.
+    pub ordered: bool,
     /// What it adapts.
     pub adapts: Adapts,
     /// The share of the model's R down to which it may adapt it, where there is one.

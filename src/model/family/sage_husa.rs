@@ -25,6 +25,6 @@ impl Described for SageHusa {
     }
 
     fn facts(&self) -> Facts<'_> {
-        Facts { adapts: Adapts::ProcessNoise, noise_floor: None }
+        Facts { ordered: false, adapts: Adapts::ProcessNoise, noise_floor: None }
     }
 }

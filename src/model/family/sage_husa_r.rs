@@ -34,6 +34,6 @@ impl Described for SageHusaR {
     }
 
     fn facts(&self) -> Facts<'_> {
-        Facts { adapts: Adapts::MeasurementNoise, noise_floor: Some(self.floor()) }
+        Facts { ordered: false, adapts: Adapts::MeasurementNoise, noise_floor: Some(self.floor()) }
     }
 }

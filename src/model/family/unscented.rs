@@ -56,6 +56,6 @@ impl Described for Unscented {
     }
 
     fn facts(&self) -> Facts<'_> {
-        Facts { adapts: Adapts::Nothing, noise_floor: None }
+        Facts { ordered: true, adapts: Adapts::Nothing, noise_floor: None }
     }
 }

@@ -54,7 +54,7 @@ impl Differenced {
             let (base, delta) = (g.leaf(Leaf::Column(i)), g.leaf(Leaf::Carried(i)));
             (Leaf::Variable(i), Moved::by(&mut g, base, delta))
         });
-        let moved = g.difference(&[plain], &HashMap::from(moves), &mut never)[0];
+        let moved = g.difference(&[plain], &HashMap::from(moves), &mut never).roots[0];
         Self { graph: g, plain, moved }
     }
 
@@ -212,7 +212,7 @@ fn a_move_from_zero_is_substitution() {
     let before = formula(&mut g, x, v);
     let (zero, new) = (g.constant(0.0), g.leaf(Leaf::Carried(3)));
     let moves = HashMap::from([(LEAVES[0], Moved::by(&mut g, zero, new))]);
-    let found = g.difference(&[before], &moves, &mut never)[0];
+    let found = g.difference(&[before], &moves, &mut never).roots[0];
     assert_eq!(found.value, formula(&mut g, new, v), "the same node");
 }
 
@@ -224,7 +224,7 @@ fn what_does_not_move_stays_the_node_it_is() {
     let root = g.mul(x, still);
     let (base, delta) = (g.leaf(Leaf::Column(0)), g.leaf(Leaf::Carried(0)));
     let moves = HashMap::from([(LEAVES[0], Moved::by(&mut g, base, delta))]);
-    let found = g.difference(&[still, root], &moves, &mut never);
+    let found = g.difference(&[still, root], &moves, &mut never).roots;
     assert_eq!(found[0], Moved::still(&mut g, still));
     assert_eq!(found[1].delta, g.mul(delta, still), "alpha b where b is still");
 }
@@ -245,8 +245,8 @@ fn the_caller_says_which_sums_cancel() {
         true
     });
     assert_eq!(asked, [Sum { operands: [base, c], base: own }]);
-    assert_eq!(found[0].value, g.add(own, delta), "base + delta");
-    let found = g.difference(&[root], &moves, &mut never);
+    assert_eq!(found.roots[0].value, g.add(own, delta), "base + delta");
+    let found = g.difference(&[root], &moves, &mut never).roots;
     assert_eq!(found[0].value, g.sub(of_x.value, c), "value - c");
 }
 
@@ -286,7 +286,7 @@ proptest! {
             (Leaf::Variable(i), Moved::by(&mut g, base, delta))
         });
         let mut asked = 0u32;
-        let found = g.difference(&built, &HashMap::from(moves), &mut |_, _| { asked += 1; cancels >> (asked % 32) & 1 == 1 });
+        let found = g.difference(&built, &HashMap::from(moves), &mut |_, _| { asked += 1; cancels >> (asked % 32) & 1 == 1 }).roots;
         let leaf = |leaf| match leaf {
             Leaf::Variable(i) => values[i as usize] + values[2 + i as usize] - 0.8,
             Leaf::Column(5) => 0.3,
@@ -304,4 +304,61 @@ proptest! {
             prop_assert!(near(bases[k] + deltas[k]), "{} + {} against {}", bases[k], deltas[k], plain[k]);
         }
     }
+}
+
+/// From the place that a first move ends at formulas move again, whichever way that place was found.
+#[test]
+fn a_centre_is_a_place_to_move_from() {
+    let mut g = Graph::default();
+    let [x, y] = LEAVES.map(|leaf| g.leaf(leaf));
+    let c = g.leaf(Leaf::Column(9));
+    let far = g.sub(x, c);
+    let angle = g.binary(Binary::Atan2, y, far);
+    let square = g.mul(far, far);
+    let formulas = [angle, square];
+    let starts = [0u32, 1].map(|i| (g.leaf(Leaf::Column(i)), g.leaf(Leaf::Carried(i))));
+    let moves = [0usize, 1].map(|i| (LEAVES[i], Moved::by(&mut g, starts[i].0, starts[i].1)));
+    let deltas = HashMap::from([0u32, 1].map(|i| (LEAVES[i as usize], g.leaf(Leaf::Carried(2 + i)))));
+    let first = g.difference(&formulas, &HashMap::from(moves), &mut |_, _| true);
+    let places = HashMap::from(moves.map(|(leaf, moved)| (leaf, moved.value)));
+    let (_, plain) = g.centre(&formulas, &places);
+    let moved = [&first.centre, &plain].map(|centre| g.difference_from(&formulas, centre, &deltas));
+    let further = [0u32, 1].map(|i| {
+        let (start, more) = (starts[i as usize], g.leaf(Leaf::Carried(2 + i)));
+        let delta = g.add(start.1, more);
+        (LEAVES[i as usize], Moved::by(&mut g, start.0, delta))
+    });
+    let ends = g.difference(&formulas, &HashMap::from(further), &mut never);
+    let leaf = |leaf| match leaf {
+        Leaf::Column(9) => 0.25,
+        Leaf::Column(i) => [1.5, 0.75][i as usize],
+        Leaf::Carried(i) => [0.125, -0.5, 1e-3, 2e-3][i as usize],
+        _ => f64::NAN,
+    };
+    let value = |id: Id| Calculator::new(&g, &[id]).evaluate(leaf).next().unwrap();
+    for k in 0..formulas.len() {
+        let expected = value(ends.roots[k].value) - value(first.roots[k].value);
+        for found in &moved {
+            assert!((value(found[k]) - expected).abs() < 1e-15, "formula {k}: {} against {expected}", value(found[k]));
+        }
+    }
+}
+
+/// What moves nothing is taken where its leaves are, not where they are free.
+#[test]
+fn a_still_part_stands_at_the_base() {
+    let mut g = Graph::default();
+    let [x, y] = LEAVES.map(|leaf| g.leaf(leaf));
+    let (q, sum) = (g.leaf(Leaf::Parameter(0)), g.add(x, y));
+    let root = g.mul(q, sum);
+    let [a, b] = [0, 1].map(|i| g.leaf(Leaf::Column(i)));
+    let (base, delta) = (g.constant(2.0), g.leaf(Leaf::Carried(0)));
+    let moves = HashMap::from([
+        (LEAVES[0], Moved::still(&mut g, a)),
+        (LEAVES[1], Moved::still(&mut g, b)),
+        (Leaf::Parameter(0), Moved { base, delta, value: q }),
+    ]);
+    let found = g.difference(&[root], &moves, &mut never).roots[0];
+    let sum = g.add(a, b);
+    assert_eq!(found.delta, g.mul(delta, sum), "no free variable is left");
 }

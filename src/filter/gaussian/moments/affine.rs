@@ -5,11 +5,11 @@ use crate::filter::columns::Key;
 use crate::filter::covariance::Covariance;
 use crate::filter::difference;
 use crate::filter::error::TraceError;
-use crate::filter::nodes::{self, ModelNodes};
+use crate::filter::nodes::MapNodes;
 use crate::filter::row::Row;
 use crate::filter::tracer::Tracer;
 use crate::filter::units::scaled;
-use crate::tape::Id;
+use crate::tape::{Id, Moved};
 
 /// y = J x + c.
 #[derive(Debug, Clone, Copy)]
@@ -24,26 +24,16 @@ impl MomentRule for Affine {
         x: &[Id],
         _: &Covariance,
     ) -> Result<Moments, TraceError> {
-        let formulas = of(&row.model, map);
+        let formulas = map.of(&row.model);
         let offset = match &row.nominal {
-            Some(nominal) => around(t, formulas, of(nominal, map), map),
+            Some(nominal) => around(t, formulas, map.of(nominal), map),
             None => absolute(t, formulas),
         };
-        let units = match map {
-            Map::Transition => &t.units.states,
-            Map::Measurement => &t.units.measurements,
-        };
+        let units = map.units(t.units);
         let jacobian = t.units.map(&mut t.g, &formulas.jacobian, units);
         let linear = jacobian.iter().map(|row| t.g.dot(row.iter().copied().zip(x.iter().copied()))).collect();
         let (fixed, moved) = (scaled(&mut t.g, &offset.fixed, units), scaled(&mut t.g, &offset.moved, units));
-        Ok(Moments { fixed, moved, linear, jacobian, excess: None })
-    }
-}
-
-const fn of(model: &ModelNodes, map: Map) -> &nodes::AffineMap {
-    match map {
-        Map::Transition => &model.f,
-        Map::Measurement => &model.h,
+        Ok(Moments { fixed, moved, linear, jacobian, excess: None, columns: None, positive: vec![] })
     }
 }
 
@@ -53,13 +43,13 @@ struct Offset {
     moved: Vec<Id>,
 }
 
-fn absolute(t: &mut Tracer<'_>, map: &nodes::AffineMap) -> Offset {
+fn absolute(t: &mut Tracer<'_>, map: &MapNodes) -> Offset {
     Offset { fixed: map.offset.clone(), moved: vec![t.g.constant(0.0); map.offset.len()] }
 }
 
 /// f_theta0(x_nom) is the same for every candidate and is taken in f64, once; what theta changes of it is a difference, which
 /// vanishes where theta does not stand in the formula.
-fn around(t: &mut Tracer<'_>, theta: &nodes::AffineMap, at: &nodes::AffineMap, map: Map) -> Offset {
+fn around(t: &mut Tracer<'_>, theta: &MapNodes, at: &MapNodes, map: Map) -> Offset {
     let Some(nominal) = t.nominal else { return absolute(t, theta) };
     let n = t.problem.model.states.len();
     let x: Vec<Id> = (0..n).map(|i| t.columns.node(&mut t.g, Key::Nominal(i), || nominal.at(i))).collect();
@@ -73,5 +63,7 @@ fn around(t: &mut Tracer<'_>, theta: &nodes::AffineMap, at: &nodes::AffineMap, m
         }
         fixed.push(value);
     }
-    Offset { fixed, moved: difference::by_parameters(t, &theta.values, &x, &nominal.candidate) }
+    let still: Vec<Moved> = x.iter().map(|x| Moved::still(&mut t.g, *x)).collect();
+    let moved = difference::around(t, &theta.values, &still, &nominal.candidate).roots;
+    Offset { fixed, moved: moved.into_iter().map(|moved| moved.delta).collect() }
 }

@@ -2,14 +2,21 @@
 //! noise, so that updates, masks, factors and adaptation are written once.
 
 mod affine;
+mod extended;
+mod sigma;
+mod tangent;
 
 pub(in crate::filter) use affine::Affine;
+pub(in crate::filter) use extended::Extended;
+pub(in crate::filter) use sigma::{Points, Sigma};
 
 use crate::filter::covariance::Covariance;
 use crate::filter::covariance::Symmetric;
 use crate::filter::error::TraceError;
+use crate::filter::nodes::{MapNodes, ModelNodes};
 use crate::filter::row::Row;
 use crate::filter::tracer::Tracer;
+use crate::filter::units::Units;
 use crate::tape::Id;
 
 /// Which formulas of the model.
@@ -19,6 +26,24 @@ pub(in crate::filter) enum Map {
     Transition,
     /// h: from a state to what is measured.
     Measurement,
+}
+
+impl Map {
+    /// Its formulas.
+    const fn of(self, model: &ModelNodes) -> &MapNodes {
+        match self {
+            Self::Transition => &model.f,
+            Self::Measurement => &model.h,
+        }
+    }
+
+    /// In which its values are computed.
+    fn units(self, units: &Units) -> &[i32] {
+        match self {
+            Self::Transition => &units.states,
+            Self::Measurement => &units.measurements,
+        }
+    }
 }
 
 /// Mean and covariance of y = f(x) for a gaussian x, in the filter's units; in the deviation form of y less f at the nominal.
@@ -36,6 +61,18 @@ pub(in crate::filter) struct Moments {
     pub(in crate::filter) jacobian: Vec<Vec<Id>>,
     /// What the rule adds to the noise of the map, positive semidefinite; `None` where a linear map is all there is.
     pub(in crate::filter) excess: Option<Symmetric>,
+    /// Where the rule has them, what the same is gathered from without taking anything away.
+    pub(in crate::filter) columns: Option<Columns>,
+    /// What a candidate fails without.
+    pub(in crate::filter) positive: Vec<Id>,
+}
+
+/// Columns whose squares add up to covariances.
+pub(in crate::filter) struct Columns {
+    /// To J P J'.
+    pub(in crate::filter) linear: Vec<Vec<Id>>,
+    /// To the excess.
+    pub(in crate::filter) excess: Vec<Vec<Id>>,
 }
 
 /// A way to take a gaussian through formulas.
@@ -46,4 +83,9 @@ pub(in crate::filter) trait MomentRule {
     /// If the rule does not fit the formulas.
     fn through(&self, t: &mut Tracer<'_>, row: &Row, map: Map, x: &[Id], P: &Covariance)
     -> Result<Moments, TraceError>;
+
+    /// How often h is linearised in a row: again at the updated mean from the second time on.
+    fn iterations(&self, _: &Row) -> usize {
+        1
+    }
 }

@@ -28,6 +28,12 @@ pub enum TraceError {
     /// No step before the first row.
     #[error("first = \"predict\" has no interval, because the log has not one interval throughout: give first_dt")]
     NoFirstInterval,
+    /// No candidate that was tried stays finite.
+    #[error(
+        "single precision deviates from one run of the filter, and none of the start and 63 candidates between the bounds \
+         stays finite through the log: check f, h and the bounds, or use --precision f64"
+    )]
+    NoNominal,
     /// More values than the operations can name.
     #[error(transparent)]
     TooLarge(#[from] TooLarge),
@@ -50,6 +56,6 @@ impl TraceError {
     /// Whether double precision has what single has not.
     #[must_use]
     pub const fn needs_f64(&self) -> bool {
-        matches!(self, Self::LostInSingle { .. })
+        matches!(self, Self::LostInSingle { .. } | Self::NoNominal)
     }
 }

@@ -24,6 +24,11 @@ impl Nominal {
         Self { states, ..self }
     }
 
+    /// Whether it is a number throughout.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.states.iter().all(|x| x.is_finite())
+    }
+
     /// The states at a row of the record.
     #[must_use]
     pub fn row(&self, row: usize) -> &[f64] {

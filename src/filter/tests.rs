@@ -1,8 +1,13 @@
 //! What cannot be traced is refused, for those too who use the library and check nothing beforehand.
 
-use super::TraceError;
+use super::columns::Columns;
+use super::form::{Carrying, Form};
+use super::rounds::trace_rows;
+use super::rows::Rows;
+use super::step::Request;
+use super::{TraceError, Units, scattered};
 use crate::data::Log;
-use crate::evaluate::{BuildError, CpuEvaluator, CpuOptions, Precision};
+use crate::evaluate::{BuildError, CpuEvaluator, CpuOptions, Evaluator, Population, Precision};
 use crate::model::Problem;
 use crate::reference;
 use crate::simulate::simulate;
@@ -100,6 +105,53 @@ fn shipped_problems_are_traced() {
         };
         for precision in [Precision::F32, Precision::F64] {
             assert_eq!(refusal(&problem, &log, precision), None, "{} in {precision}", path.display());
+        }
+    }
+}
+
+/// Costs of the baseline and 7 other candidates, in f64.
+fn costs(problem: &Problem, log: &Log, carrying: Carrying) -> Vec<f64> {
+    let (rows, mut columns) = (Rows::new(problem, log), Columns::default());
+    let units = Units::own(problem.model.states.len(), problem.model.measurements.len());
+    let objectives = &problem.tune.objectives;
+    let request = Request { objectives, nominal: None, carrying, units: &units, watch: None };
+    let program = trace_rows(problem, &rows, &mut columns, &request).unwrap();
+    let mut candidates = vec![problem.parameters.baseline()];
+    candidates.extend(scattered(&problem.parameters, 7));
+    let population = Population::from_rows(problem.parameters.dimension(), candidates.concat());
+    let found = CpuEvaluator::of_program(program, None).evaluate(&population);
+    (0..population.len()).flat_map(|i| found.costs(i).to_vec()).collect()
+}
+
+/// On linear models all filters of one gaussian are one, also where none is told that f and h are affine.
+#[test]
+fn rules_for_any_formula_are_exact_for_affine_ones() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for name in ["nile", "rocket", "robot", "uav_gps_cv", "tum_fr2_desk", "refuelling"] {
+        let text = std::fs::read_to_string(folder.join(format!("examples/{name}.toml"))).unwrap();
+        let problem = Problem::parse(&text, name).unwrap();
+        let log = match problem.data.file {
+            Some(_) => Log::open(&problem.data, &folder.join("examples")).unwrap(),
+            None => simulate(&problem, None).unwrap(),
+        };
+        let plain = Carrying { form: Form::Full, anchored: false, affine: true };
+        let expected = costs(&problem, &log, plain);
+        for kind in ["extended", "iterated", "unscented", "cubature"] {
+            let mut problem = problem.clone();
+            let text = format!("{text}\n[filter]\nkind = \"{kind}\"\n");
+            problem.filter = Problem::parse(&text, name).unwrap().filter;
+            for (form, affine) in
+                [(Form::Full, true), (Form::Full, false), (Form::Factored, false), (Form::Lower, false)]
+            {
+                let found = costs(&problem, &log, Carrying { form, affine, ..plain });
+                for (found, expected) in found.iter().zip(&expected) {
+                    let error = (found - expected).abs() / expected.abs().max(1.0);
+                    assert!(
+                        error <= 1e-10,
+                        "{name}, {kind}, {form}, affine {affine}: {found} against {expected}: {error:e}"
+                    );
+                }
+            }
         }
     }
 }

@@ -66,3 +66,6 @@ pub(super) fn trace(g: &mut Graph, expr: &Expr, scope: Scope<'_>) -> Id {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -16,11 +16,11 @@ impl Expr {
 /// A formula in postfix order, for repeated evaluation.
 #[derive(Debug, Clone)]
 pub(crate) struct Formula {
-    operations: Vec<Operation>,
+    pub(super) operations: Vec<Operation>,
 }
 
 #[derive(Debug, Clone, Copy)]
-enum Operation {
+pub(super) enum Operation {
     Number(f64),
     Symbol(Symbol),
     Negate,
@@ -87,7 +87,7 @@ fn pop(stack: &mut Vec<f64>) -> f64 {
     stack.pop().unwrap_or(f64::NAN)
 }
 
-fn binary(op: Binary, a: f64, b: f64) -> f64 {
+pub(super) fn binary(op: Binary, a: f64, b: f64) -> f64 {
     match op {
         Binary::Add => a + b,
         Binary::Subtract => a - b,
@@ -97,7 +97,7 @@ fn binary(op: Binary, a: f64, b: f64) -> f64 {
     }
 }
 
-fn call(function: Function, a: f64, b: f64) -> f64 {
+pub(super) fn call(function: Function, a: f64, b: f64) -> f64 {
     match function {
         Function::Sqrt => a.sqrt(),
         Function::Exp => a.exp(),

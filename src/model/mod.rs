@@ -3,6 +3,7 @@
 mod check_log;
 mod definite;
 mod draft;
+mod dual;
 mod error;
 mod evaluate;
 mod expr;
@@ -18,6 +19,7 @@ mod tuned;
 pub use crate::tape::Function;
 pub(crate) use definite::{ROUNDING, is_covariance, is_product, must_be_definite};
 pub use draft::{Draft, draft};
+pub(crate) use dual::Duals;
 pub use error::{Cause, Place, ProblemError};
 pub(crate) use evaluate::Formula;
 pub use expr::{Binary, Expr, ExprKind, Span, Symbol};
@@ -25,6 +27,9 @@ pub use family::{Adapts, Facts, FilterKind, Range, Setting};
 pub use library::built_in_models;
 pub use parameter::{Parameter, Parameters, Scale, Search, Value};
 pub use problem::{Angles, First, Model, Pick, Problem, SimulateSpec, Start, TuneSpec};
+
+#[cfg(test)]
+pub(crate) use formula::{FormulaPlace, Names, Scope as FormulaScope, parse};
 
 #[cfg(test)]
 mod tests;

@@ -1,6 +1,6 @@
 //! What the symbols of a formula stand for where the reference evaluates it.
 
-use crate::model::{Expr, Formula, Symbol};
+use crate::model::{Duals, Expr, Formula, Symbol};
 
 /// What the symbols of a formula stand for. A symbol outside its slice evaluates to NaN.
 #[derive(Debug, Clone, Copy, Default)]
@@ -29,7 +29,28 @@ pub fn evaluate(expr: &Expr, scope: &Scope) -> f64 {
     expr.evaluate(&|symbol| scope.of(symbol))
 }
 
+/// The partial derivatives of one formula in the states, as many as [`Scope::states`] has, by dual numbers on the tree: no
+/// step, no graph. At a kink they are those of the side that the tape takes.
+///
+/// ```
+/// use kfgpu::model::{Binary, Expr, Symbol};
+/// use kfgpu::reference::{Scope, gradient};
+///
+/// let x = |i| Expr::symbol(Symbol::State(i));
+/// let product = Expr::binary(Binary::Multiply, x(0), x(1));
+/// assert_eq!(gradient(&product, &Scope { states: &[2.0, 3.0], ..Scope::default() }), [3.0, 2.0]);
+/// ```
+#[must_use]
+pub fn gradient(expr: &Expr, scope: &Scope) -> Vec<f64> {
+    scope.gradient(&Formula::of(expr), &mut Duals::default()).1
+}
+
 impl Scope<'_> {
+    /// The value of a formula and its partial derivatives in the states; `stack` is scratch.
+    pub(super) fn gradient(&self, formula: &Formula, stack: &mut Duals) -> (f64, Vec<f64>) {
+        formula.gradient(|symbol| self.of(symbol), self.states.len(), stack)
+    }
+
     /// The value of a formula; `stack` is scratch.
     pub(super) fn value(&self, formula: &Formula, stack: &mut Vec<f64>) -> f64 {
         formula.value(|symbol| self.of(symbol), stack)

@@ -19,7 +19,7 @@ mod steady;
 mod step;
 
 pub use estimate::{Estimate, Update};
-pub use evaluate::{Scope, evaluate};
+pub use evaluate::{Scope, evaluate, gradient};
 pub use failure::{Cause, Failure};
 pub use matrices::Matrices;
 pub(crate) use matrices::{Affine, Formulas};

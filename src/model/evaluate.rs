@@ -137,5 +137,5 @@ fn wrap(a: f64) -> f64 {
         return a;
     }
     let angle = a.sin().atan2(a.cos());
-    if angle < PI { angle } else { -PI }
+    if angle >= PI { -PI } else { angle }
 }

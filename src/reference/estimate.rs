@@ -39,7 +39,26 @@ pub(super) struct Noise<'a> {
     pub(super) r: &'a DMatrix<f64>,
 }
 
+impl Update {
+    /// Of no component, for n states.
+    pub(super) fn empty(n: usize) -> Self {
+        Self {
+            present: Vec::new(),
+            nu: DVector::zeros(0),
+            s: DMatrix::zeros(0, 0),
+            k: DMatrix::zeros(n, 0),
+            nis: 0.0,
+            nll: 0.0,
+        }
+    }
+}
+
 impl Estimate {
+    /// 0 in n dimensions.
+    pub(super) fn zeros(n: usize) -> Self {
+        Self { x: DVector::zeros(n), p: DMatrix::zeros(n, n) }
+    }
+
     pub(super) fn check(&self) -> Result<(), Cause> {
         let finite = self.x.iter().chain(self.p.iter()).all(|v| v.is_finite());
         if finite { Ok(()) } else { Err(Cause::NotFinite) }

@@ -30,6 +30,11 @@ pub enum Cause {
     /// R and P are singular in one direction.
     #[error("the innovation covariance S is not positive definite (give every measurement some noise)")]
     NotPositive,
+    /// Rounding, or a singular start, left a P without a root.
+    #[error(
+        "the covariance P of the state is not positive definite, so there are no sigma points (give every state some noise)"
+    )]
+    NoSigmaPoints,
     /// An overflow, or a NaN from a formula or an input.
     #[error("the filter met a number that is not finite (check the formulas, their parameters and the inputs)")]
     NotFinite,
@@ -41,7 +46,7 @@ pub enum Cause {
     /// `first = "predict"` has no interval to use.
     #[error("first = \"predict\" has no interval, because the log's intervals differ (give first_dt)")]
     NoFirstInterval,
-    /// A setting of an adaptive filter is outside its range for this candidate.
+    /// A setting of the filter is outside its range for this candidate.
     #[error("`filter.{key}` is outside its range for this candidate (check the bounds of its parameters)")]
     Setting {
         /// Its key.

@@ -5,14 +5,14 @@ use nalgebra::{DMatrix, DVector};
 use super::Cause;
 use super::evaluate::Scope;
 use super::square_root::root;
-use crate::model::{Expr, Formula, Model, Problem, Start, is_covariance, must_be_definite};
+use crate::model::{Angles, Duals, Expr, Formula, Model, Problem, Start, is_covariance, must_be_definite};
 
-/// The matrices of a linear model for one candidate and one interval, inputs at zero.
+/// The matrices of a model for one candidate and one interval, inputs at zero.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Matrices {
-    /// Transition, n x n.
+    /// Transition, n x n; of an f that is not affine its Jacobian at x0.
     pub f: DMatrix<f64>,
-    /// Measurement, m x n.
+    /// Measurement, m x n; of an h that is not affine its Jacobian at x0.
     pub h: DMatrix<f64>,
     /// Process noise covariance of one step, n x n.
     pub q: DMatrix<f64>,
@@ -30,8 +30,15 @@ impl Matrices {
         let mut formulas = Formulas::new(&problem.model, problem.parameters.resolve(candidate));
         let inputs = vec![0.0; problem.model.inputs.len()];
         let (mut f, mut h) = (Affine::zeros(formulas.n, formulas.n), Affine::zeros(formulas.m, formulas.n));
-        formulas.transition(dt, &inputs, &mut f);
-        formulas.measurement(&inputs, &mut h);
+        if problem.filter.is_linear() {
+            formulas.transition(dt, &inputs, &mut f);
+            formulas.measurement(&inputs, &mut h);
+        } else {
+            let mut x0 = DVector::zeros(formulas.n);
+            formulas.initial_state(&mut x0);
+            formulas.transition_at(&x0, dt, &inputs, &mut f);
+            formulas.measurement_at(&x0, &inputs, &mut h);
+        }
         let (mut q, mut r) = (DMatrix::zeros(formulas.n, formulas.n), DMatrix::zeros(formulas.m, formulas.m));
         formulas.process_noise(dt, &mut q);
         formulas.measurement_noise(&mut r);
@@ -39,7 +46,7 @@ impl Matrices {
     }
 }
 
-/// y = A x + b.
+/// y = A (x - o) + b about an origin o: 0 where y is affine, the point where it was linearised otherwise.
 #[derive(Debug, Clone)]
 pub(crate) struct Affine {
     pub(crate) matrix: DMatrix<f64>,
@@ -64,6 +71,7 @@ pub(crate) struct Formulas {
     pub(crate) m: usize,
     pub(crate) f_uses_inputs: bool,
     pub(crate) h_uses_inputs: bool,
+    pub(crate) angles: Angles,
     parameters: Vec<f64>,
     f: Vec<Formula>,
     h: Vec<Formula>,
@@ -74,6 +82,7 @@ pub(crate) struct Formulas {
     /// Whether R and P0 may not be singular.
     definite: [bool; 2],
     stack: Vec<f64>,
+    duals: Duals,
     states: Vec<f64>,
 }
 
@@ -86,6 +95,7 @@ impl Formulas {
             m: model.measurements.len(),
             f_uses_inputs: f.iter().any(Formula::mentions_input),
             h_uses_inputs: h.iter().any(Formula::mentions_input),
+            angles: model.angles.clone(),
             parameters,
             f,
             h,
@@ -98,6 +108,7 @@ impl Formulas {
             },
             definite: [must_be_definite(&model.r), must_be_definite(&model.p0)],
             stack: Vec::new(),
+            duals: Duals::default(),
             states: vec![0.0; model.states.len()],
         }
     }
@@ -112,6 +123,30 @@ impl Formulas {
     pub(crate) fn measurement(&mut self, inputs: &[f64], out: &mut Affine) {
         let scope = Scope { states: &[], parameters: &self.parameters, inputs, dt: f64::NAN };
         linearise(&self.h, scope, &mut self.states, &mut self.stack, out);
+    }
+
+    /// f(x).
+    pub(crate) fn moved(&mut self, x: &[f64], dt: f64, inputs: &[f64]) -> DVector<f64> {
+        let scope = Scope { states: x, parameters: &self.parameters, inputs, dt };
+        DVector::from_iterator(self.n, self.f.iter().map(|f| scope.value(f, &mut self.stack)))
+    }
+
+    /// h(x).
+    pub(crate) fn measured(&mut self, x: &[f64], inputs: &[f64]) -> DVector<f64> {
+        let scope = Scope { states: x, parameters: &self.parameters, inputs, dt: f64::NAN };
+        DVector::from_iterator(self.m, self.h.iter().map(|h| scope.value(h, &mut self.stack)))
+    }
+
+    /// f about x.
+    pub(super) fn transition_at(&mut self, x: &DVector<f64>, dt: f64, inputs: &[f64], out: &mut Affine) {
+        let scope = Scope { states: x.as_slice(), parameters: &self.parameters, inputs, dt };
+        differentiate(&self.f, &scope, &mut self.duals, out);
+    }
+
+    /// h about x.
+    pub(super) fn measurement_at(&mut self, x: &DVector<f64>, inputs: &[f64], out: &mut Affine) {
+        let scope = Scope { states: x.as_slice(), parameters: &self.parameters, inputs, dt: f64::NAN };
+        differentiate(&self.h, &scope, &mut self.duals, out);
     }
 
     pub(crate) fn process_noise(&mut self, dt: f64, out: &mut DMatrix<f64>) {
@@ -185,6 +220,16 @@ fn linearise(formulas: &[Formula], scope: Scope, states: &mut [f64], stack: &mut
             states[j] = 0.0;
             out.matrix[(i, j)] = (value - offset) / step;
         }
+    }
+    out.matrix.transpose_to(&mut out.transpose);
+}
+
+/// Values and Jacobian at the states of `scope`, by dual numbers.
+fn differentiate(formulas: &[Formula], scope: &Scope, duals: &mut Duals, out: &mut Affine) {
+    for (i, formula) in formulas.iter().enumerate() {
+        let (value, slopes) = scope.gradient(formula, duals);
+        out.offset[i] = value;
+        out.matrix.row_mut(i).iter_mut().zip(slopes).for_each(|(entry, slope)| *entry = slope);
     }
     out.matrix.transpose_to(&mut out.transpose);
 }

@@ -5,18 +5,24 @@
 //! is carried by its square root, through Householder reflections, so that it is right where it certifies. `docs/semantics.md` is its specification.
 
 mod adapt;
+mod angle;
 mod estimate;
 mod evaluate;
 mod failure;
+mod families;
+mod filter;
 mod kalman;
 mod matrices;
 mod observation;
+mod points;
 mod run;
 mod score;
+mod sigma;
 mod smoother;
 mod square_root;
 mod steady;
 mod step;
+mod transition;
 
 pub use estimate::{Estimate, Update};
 pub use evaluate::{Scope, evaluate, gradient};

@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::Cause;
 use super::adapt::{Adaptation, Evidence};
+use super::angle::wrapped;
 use super::estimate::{Update, count, same};
 use super::matrices::{Affine, Formulas};
 use super::square_root::{root, solve_transposed, square, triangularise};
@@ -18,8 +19,8 @@ pub(super) struct Observation {
     inputs: Vec<f64>,
     pub(super) whole: Affine,
     pub(super) r_whole: DMatrix<f64>,
-    h: Affine,
-    r: DMatrix<f64>,
+    pub(super) h: Affine,
+    pub(super) r: DMatrix<f64>,
     /// B with B' B = R, p x p, and whether R is singular.
     r_root: DMatrix<f64>,
     singular: bool,
@@ -30,6 +31,10 @@ pub(super) struct Observation {
     s_root: DMatrix<f64>,
     k_transposed: DMatrix<f64>,
     s_inverse_nu: DVector<f64>,
+    /// Whole turns by which innovations of angles were moved into [-pi, pi), p.
+    turns: DVector<f64>,
+    /// The innovation that the last gain was applied to, where h is not affine, p.
+    pub(super) applied: DVector<f64>,
     pub(super) update: Update,
 }
 
@@ -49,18 +54,13 @@ impl Observation {
             s_root: DMatrix::zeros(0, 0),
             k_transposed: DMatrix::zeros(0, n),
             s_inverse_nu: DVector::zeros(0),
-            update: Update {
-                present: Vec::new(),
-                nu: DVector::zeros(0),
-                s: DMatrix::zeros(0, 0),
-                k: DMatrix::zeros(n, 0),
-                nis: 0.0,
-                nll: 0.0,
-            },
+            turns: DVector::zeros(0),
+            applied: DVector::zeros(0),
+            update: Update::empty(n),
         }
     }
 
-    /// Brings h and R up to date with the inputs and the missing pattern of a row; false when nothing is present.
+    /// Brings an affine h and R up to date with the inputs and the missing pattern of a row; false when nothing is present.
     pub(super) fn prepare(&mut self, formulas: &mut Formulas, z: &[f64], inputs: &[f64]) -> Result<bool, Cause> {
         let changed = !self.known || (formulas.h_uses_inputs && !same(inputs, &self.inputs));
         if changed {
@@ -73,6 +73,19 @@ impl Observation {
         if changed || !present().eq(self.update.present.iter().copied()) {
             self.reduce(present().collect())?;
         }
+        Ok(!self.update.present.is_empty())
+    }
+
+    /// Takes h about x, and the present components of it and of R; false when nothing is present.
+    pub(super) fn prepare_at(
+        &mut self,
+        formulas: &mut Formulas,
+        z: &[f64],
+        inputs: &[f64],
+        x: &DVector<f64>,
+    ) -> Result<bool, Cause> {
+        formulas.measurement_at(x, inputs, &mut self.whole);
+        self.reduce((0..z.len()).filter(|&i| !z[i].is_nan()).collect())?;
         Ok(!self.update.present.is_empty())
     }
 
@@ -104,6 +117,7 @@ impl Observation {
         self.s_root = DMatrix::zeros(p, p);
         self.k_transposed = DMatrix::zeros(p, n);
         self.s_inverse_nu = DVector::zeros(p);
+        self.turns = DVector::zeros(p);
         self.update.nu = DVector::zeros(p);
         self.update.s = DMatrix::zeros(p, p);
         self.update.k = DMatrix::zeros(n, p);
@@ -111,15 +125,45 @@ impl Observation {
         self.renew_noise()
     }
 
-    /// nu, S, K, NIS and the log-likelihood of the present components of `z`, from the prior x and the root of its
-    /// covariance.
-    pub(super) fn gain(&mut self, z: &[f64], x: &DVector<f64>, root: &DMatrix<f64>) -> Result<(), Cause> {
-        let Update { present, nu, s, k, nis, nll } = &mut self.update;
-        let (p, n) = (present.len(), x.len());
+    /// nu = z - h of the present components, of angles in [-pi, pi), with h affine and taken at x.
+    pub(super) fn innovation(&mut self, formulas: &Formulas, z: &[f64], x: &DVector<f64>) {
+        self.difference(z);
+        let nu = &mut self.update.nu;
+        nu.gemv(-1.0, &self.h.matrix, x, 1.0);
+        for (i, component) in self.update.present.iter().enumerate() {
+            if formulas.angles.measurement(*component) {
+                self.turns[i] = wrapped(nu[i]) - nu[i];
+                nu[i] = wrapped(nu[i]);
+            }
+        }
+    }
+
+    /// The same of an h that was taken about a point, as a linear h would have it at x: wrap(z - h(o)) - H (x - o), with
+    /// `away` = x - o.
+    pub(super) fn innovation_at(&mut self, formulas: &Formulas, z: &[f64], away: &DVector<f64>) {
+        self.difference(z);
+        let nu = &mut self.update.nu;
+        for (i, component) in self.update.present.iter().enumerate() {
+            if formulas.angles.measurement(*component) {
+                nu[i] = wrapped(nu[i]);
+            }
+        }
+        nu.gemv(-1.0, &self.h.matrix, away, 1.0);
+        self.applied.clone_from(nu);
+    }
+
+    /// z less the offset of h.
+    fn difference(&mut self, z: &[f64]) {
+        let Update { present, nu, .. } = &mut self.update;
         for (i, &component) in present.iter().enumerate() {
             nu[i] = z[component] - self.h.offset[i];
         }
-        nu.gemv(-1.0, &self.h.matrix, x, 1.0);
+    }
+
+    /// S, K, NIS and the log-likelihood of nu, from the root of the prior covariance.
+    pub(super) fn gain(&mut self, root: &DMatrix<f64>) -> Result<(), Cause> {
+        let Update { present, nu, s, k, nis, nll } = &mut self.update;
+        let (p, n) = (present.len(), root.nrows());
         self.seen.gemm(1.0, root, &self.h.transpose, 0.0);
         self.stacked.fill(0.0);
         self.stacked.view_mut((0, 0), (p, p)).copy_from(&self.r_root);
@@ -153,6 +197,7 @@ impl Observation {
         let Update { present, nu, k, .. } = &self.update;
         x.gemv(1.0, k, nu, 1.0);
         let mut left = DVector::from_iterator(present.len(), present.iter().map(|i| z[*i])) - &self.h.offset;
+        left += &self.turns;
         if left.iter().zip(nu).all(|(left, nu)| nu.abs() <= left.abs()) {
             return;
         }

@@ -1,8 +1,7 @@
 //! One candidate through a whole log: where each trajectory starts, and what happens at its rows.
 
-use super::adapt;
-use super::kalman::Kalman;
-use super::matrices::Formulas;
+use super::families;
+use super::filter::Filter;
 use super::score::Scorer;
 use super::step::{Moment, Run, Step, Truth};
 use super::{Cause, Failure};
@@ -44,7 +43,7 @@ pub fn visit(
     walk(problem, log, candidate, &mut |moment| {
         let step = moment.step(log, &truth);
         let place = (&log.trajectories[moment.trajectory], moment.row);
-        scorer.row(moment.trajectory, place, &moment.posterior.x, moment.update, || step.nees);
+        scorer.row(moment.trajectory, place, &moment.state.posterior.x, moment.update, || step.nees);
         visit(moment.trajectory, &step);
     })?;
     Ok(scorer.costs())
@@ -113,7 +112,7 @@ fn scores_where(
         }
         let trajectory = &log.trajectories[moment.trajectory];
         let nees = || truth.nees(trajectory, &moment);
-        scorer.row(moment.trajectory, (trajectory, moment.row), &moment.posterior.x, moment.update, nees);
+        scorer.row(moment.trajectory, (trajectory, moment.row), &moment.state.posterior.x, moment.update, nees);
     })?;
     Ok(scorer.costs())
 }
@@ -126,11 +125,9 @@ pub(super) fn walk(
     visit: &mut impl FnMut(Moment),
 ) -> Result<(), Failure> {
     let model = &problem.model;
-    let parameters = problem.parameters.resolve(candidate);
-    let adaptation = adapt::of(&problem.filter, &parameters, model.measurements.len())
+    let mut filter = families::of(&problem.filter, model, problem.parameters.resolve(candidate))
         .map_err(|cause| Failure::at(log, 0, 0, cause))?;
-    let formulas = Formulas::new(model, parameters);
-    if log.measurements.len() != formulas.m || log.inputs.len() != model.inputs.len() {
+    if log.measurements.len() != model.measurements.len() || log.inputs.len() != model.inputs.len() {
         return Err(Failure::at(log, 0, 0, Cause::WrongColumns));
     }
     let first_dt = match model.first {
@@ -139,19 +136,12 @@ pub(super) fn walk(
             Some(dt.or_else(|| log.regular_dt()).ok_or_else(|| Failure::at(log, 0, 0, Cause::NoFirstInterval))?)
         }
     };
-    let mut filter = Kalman::new(formulas, adaptation);
     for (index, trajectory) in log.trajectories.iter().enumerate() {
         let mut row = 0;
-        walk_trajectory(&mut filter, trajectory, first_dt, &mut row, &mut |row, filter, updated| {
-            visit(Moment {
-                trajectory: index,
-                row,
-                prior: &filter.prior,
-                posterior: &filter.posterior,
-                posterior_root: &filter.posterior_root,
-                update: updated.then(|| filter.latest()),
-                noise: filter.noise(),
-            });
+        walk_trajectory(filter.as_mut(), trajectory, first_dt, &mut row, &mut |row, filter, updated| {
+            let state = filter.state();
+            let update = updated.then_some(state.update);
+            visit(Moment { trajectory: index, row, update, state });
         })
         .map_err(|what| Failure::at(log, index, row, what))?;
     }
@@ -160,11 +150,11 @@ pub(super) fn walk(
 
 /// `row` tells the caller where an error happened.
 fn walk_trajectory(
-    filter: &mut Kalman,
+    filter: &mut dyn Filter,
     trajectory: &Trajectory,
     first_dt: Option<f64>,
     row: &mut usize,
-    visit: &mut impl FnMut(usize, &Kalman, bool),
+    visit: &mut impl FnMut(usize, &dyn Filter, bool),
 ) -> Result<(), Cause> {
     if filter.starts_from_measurement() {
         let Some(first) = (0..trajectory.len()).find(|&k| trajectory.is_complete(k)) else { return Ok(()) };

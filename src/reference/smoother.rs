@@ -17,14 +17,20 @@
 //!
 //! An adaptive filter is smoothed with the Q and R that it used in each step: its x and P are those of the model with
 //! these, so its smoothed estimates are too.
+//!
+//! A filter of nonlinear f and h is smoothed with the F, Q, H, R and nu by which a Kalman filter would have done the same
+//! (`Taken`): of the extended filters the Jacobians where they took them, of sigma points the affine map with the same
+//! cross-covariance and, as noise, what that leaves of the covariance. What comes out is the recursion of Särkkä (2008,
+//! doi:10.1109/TAC.2008.919531), whose gain is the cross-covariance over the predicted P.
 
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
 use super::estimate::{Estimate, Update, symmetrise};
-use super::kalman::Transition;
+use super::filter::Taken;
 use super::matrices::{Affine, Formulas};
 use super::run::walk;
 use super::step::Moment;
+use super::transition::Transition;
 use super::{Cause, Failure};
 use crate::data::{Log, Trajectory};
 use crate::model::{Adapts, Problem};
@@ -42,7 +48,7 @@ pub struct Smoothed {
 
 /// Smooths the run of `candidate` (searched parameters in their own units): one list per trajectory of the log, with the
 /// rows of [`super::Run::trajectories`]. It keeps n² + n numbers a row, and while it runs the updates, with Q and R where
-/// the filter adapts them.
+/// the filter adapts them, and F, H, Q and R where f and h are not affine.
 ///
 /// # Errors
 /// As [`super::run`]; also when R is singular.
@@ -53,13 +59,14 @@ pub fn smooth(problem: &Problem, log: &Log, candidate: &[f64]) -> Result<Vec<Vec
     let adapts = problem.filter.facts().adapts != Adapts::Nothing;
     let mut passes: Vec<Vec<Pass>> = log.trajectories.iter().map(|_| Vec::new()).collect();
     walk(problem, log, candidate, &mut |moment| {
-        let Moment { trajectory, row, posterior, update, noise, .. } = moment;
+        let Moment { trajectory, row, update, state } = moment;
         let time = log.trajectories[trajectory].time[row];
         passes[trajectory].push(Pass {
-            smoothed: Smoothed { row, time, estimate: posterior.clone() },
+            smoothed: Smoothed { row, time, estimate: state.posterior.clone() },
             update: update.cloned(),
-            q: noise.q.cloned(),
-            r: adapts.then(|| noise.r.clone()),
+            q: state.noise.q.cloned(),
+            r: adapts.then(|| state.noise.r.clone()),
+            linear: state.taken.map(|taken| Linear::of(taken, update.is_some())),
         });
     })?;
     let mut later = Later::new(problem, candidate);
@@ -79,6 +86,21 @@ struct Pass {
     q: Option<DMatrix<f64>>,
     /// R of the next row, where the filter is adaptive.
     r: Option<DMatrix<f64>>,
+    /// What the filter took f and h for, where they are not affine.
+    linear: Option<Linear>,
+}
+
+/// F and Q of the step that led to a row, and H, R and nu of its update, where it has one.
+struct Linear {
+    step: [DMatrix<f64>; 2],
+    update: Option<([DMatrix<f64>; 2], DVector<f64>)>,
+}
+
+impl Linear {
+    fn of(Taken { f, q, h, r, nu }: Taken<'_>, updated: bool) -> Self {
+        let update = updated.then(|| ([h.clone(), r.clone()], nu.clone()));
+        Self { step: [f.clone(), q.clone()], update }
+    }
 }
 
 /// What later measurements say about a state.
@@ -116,13 +138,18 @@ impl Later {
         self.information.fill(0.0);
         self.gradient.fill(0.0);
         let mut smoothed: Vec<Smoothed> = Vec::with_capacity(passes.len());
+        let mut step: Option<[DMatrix<f64>; 2]> = None;
         let mut passes = passes.into_iter().rev().peekable();
-        while let Some(Pass { smoothed: mut pass, update, q, .. }) = passes.next() {
+        while let Some(Pass { smoothed: mut pass, update, q, linear, .. }) = passes.next() {
             let (row, inputs) = (pass.row, trajectory.u.row(pass.row));
             let failed = |cause| (row, cause);
             // Nothing follows the last row: its posterior is what it is.
             if let Some(dt) = trajectory.dt(row).filter(|_| !smoothed.is_empty()) {
-                self.before_transition(dt, inputs, q.as_ref()).map_err(failed)?;
+                match &step {
+                    Some([f, q]) => self.before_transition(f, q),
+                    None => self.before_affine_transition(dt, inputs, q.as_ref()),
+                }
+                .map_err(failed)?;
                 let Estimate { x, p } = &mut pass.estimate;
                 *p = parallel(p, &self.information).map_err(failed)?;
                 *x += &*p * &self.gradient;
@@ -130,16 +157,21 @@ impl Later {
             }
             if let Some(update) = update {
                 let r = passes.peek().and_then(|before| before.r.as_ref());
-                self.before_update(&update, inputs, r).ok_or_else(|| failed(Cause::SingularNoise))?;
+                match linear.as_ref().and_then(|linear| linear.update.as_ref()) {
+                    Some(([h, r], nu)) => self.before_update(h, r, &update.k, nu),
+                    None => self.before_affine_update(&update, inputs, r),
+                }
+                .ok_or_else(|| failed(Cause::SingularNoise))?;
             }
+            step = linear.map(|linear| linear.step);
             smoothed.push(pass);
         }
         smoothed.reverse();
         Ok(smoothed)
     }
 
-    /// With the R of this row where it is not the model's; `None` when R has no inverse.
-    fn before_update(&mut self, update: &Update, inputs: &[f64], adapted: Option<&DMatrix<f64>>) -> Option<()> {
+    /// By an affine h, with the R of this row where it is not the model's; `None` when R has no inverse.
+    fn before_affine_update(&mut self, update: &Update, inputs: &[f64], adapted: Option<&DMatrix<f64>>) -> Option<()> {
         let Update { present, nu, k, .. } = update;
         let Formulas { n, m, h_uses_inputs, .. } = self.formulas;
         let whole = self.measurement.take().filter(|_| !h_uses_inputs).unwrap_or_else(|| {
@@ -150,22 +182,37 @@ impl Later {
         let h = whole.matrix.select_rows(present);
         self.measurement = Some(whole);
         let r = adapted.unwrap_or(&self.r).select_rows(present).select_columns(present);
+        self.before_update(&h, &r, k, nu)
+    }
+
+    /// `None` when R has no inverse.
+    fn before_update(&mut self, h: &DMatrix<f64>, r: &DMatrix<f64>, k: &DMatrix<f64>, nu: &DVector<f64>) -> Option<()> {
         // H' R^-1.
-        let weight = Cholesky::new(r)?.solve(&h).transpose();
+        let weight = Cholesky::new(r.clone())?.solve(h).transpose();
         self.gradient += &self.information * (k * nu) + &weight * nu;
         self.information += weight * h;
         symmetrise(&mut self.information);
         Some(())
     }
 
-    /// With the Q of this step where it is not the model's.
-    fn before_transition(&mut self, dt: f64, inputs: &[f64], adapted: Option<&DMatrix<f64>>) -> Result<(), Cause> {
+    /// By an affine f, with the Q of this step where it is not the model's.
+    fn before_affine_transition(
+        &mut self,
+        dt: f64,
+        inputs: &[f64],
+        adapted: Option<&DMatrix<f64>>,
+    ) -> Result<(), Cause> {
         let _ = self.transition.prepare(&mut self.formulas, dt, inputs);
-        let Transition { f, q, .. } = &self.transition;
-        let q = adapted.unwrap_or(q);
+        let f = self.transition.f.matrix.clone();
+        let q = adapted.unwrap_or(&self.transition.q).clone();
+        self.before_transition(&f, &q)
+    }
+
+    fn before_transition(&mut self, f: &DMatrix<f64>, q: &DMatrix<f64>) -> Result<(), Cause> {
         let c = parallel(&self.information, q)?;
-        self.gradient = &f.transpose * (&self.gradient - &c * (q * &self.gradient));
-        self.information = &f.transpose * c * &f.matrix;
+        let transpose = f.transpose();
+        self.gradient = &transpose * (&self.gradient - &c * (q * &self.gradient));
+        self.information = &transpose * c * f;
         symmetrise(&mut self.information);
         Ok(())
     }

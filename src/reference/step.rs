@@ -1,11 +1,13 @@
 //! A row of a filter run, as the walk passes it and as it is kept, with what truth says of it.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
-use super::estimate::{Estimate, Noise, Update};
+use super::angle::wrapped;
+use super::estimate::{Estimate, Update};
+use super::filter::State;
 use super::square_root::solve_transposed;
 use crate::data::{Log, Trajectory};
-use crate::model::Problem;
+use crate::model::{Angles, Problem};
 
 /// Everything a filter run computed, row by row.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,13 +39,9 @@ pub struct Step {
 pub(super) struct Moment<'a> {
     pub(super) trajectory: usize,
     pub(super) row: usize,
-    pub(super) prior: &'a Estimate,
-    pub(super) posterior: &'a Estimate,
-    /// The upper triangular root of its covariance.
-    pub(super) posterior_root: &'a DMatrix<f64>,
+    /// What the measurement did; `None` where there was none.
     pub(super) update: Option<&'a Update>,
-    /// What an adaptive filter goes on with.
-    pub(super) noise: Noise<'a>,
+    pub(super) state: State<'a>,
 }
 
 impl Moment<'_> {
@@ -52,9 +50,9 @@ impl Moment<'_> {
         Step {
             row: self.row,
             time: trajectory.time[self.row],
-            prior: self.prior.clone(),
+            prior: self.state.prior.clone(),
             update: self.update.cloned(),
-            posterior: self.posterior.clone(),
+            posterior: self.state.posterior.clone(),
             nees: truth.nees(trajectory, self),
         }
     }
@@ -64,23 +62,25 @@ impl Moment<'_> {
 pub(super) struct Truth {
     /// For each state, its column of [`Trajectory::truth`].
     pub(super) column: Vec<Option<usize>>,
+    angles: Angles,
 }
 
 impl Truth {
     pub(super) fn of(problem: &Problem, log: &Log) -> Self {
         let column = problem.model.states.iter().map(|s| log.truth.iter().position(|t| t == s)).collect();
-        Self { column }
+        Self { column, angles: problem.model.angles.clone() }
     }
 
-    /// Error of state `i` at a row; `None` where its truth is unknown.
+    /// Error of state `i` at a row, of an angle in [-pi, pi); `None` where its truth is unknown.
     pub(super) fn error(&self, trajectory: &Trajectory, row: usize, i: usize, x: &DVector<f64>) -> Option<f64> {
         let truth = trajectory.truth.row(row)[self.column[i]?];
-        (!truth.is_nan()).then(|| x[i] - truth)
+        let error = x[i] - truth;
+        (!truth.is_nan()).then(|| if self.angles.state(i) { wrapped(error) } else { error })
     }
 
     /// e' P^-1 e where truth of all states is there; NaN when P is not positive definite.
     pub(super) fn nees(&self, trajectory: &Trajectory, moment: &Moment<'_>) -> Option<f64> {
-        let Moment { row, posterior, posterior_root: root, .. } = moment;
+        let Moment { row, state: State { posterior, posterior_root: root, .. }, .. } = moment;
         let n = self.column.len();
         let error: Option<Vec<f64>> = (0..n).map(|i| self.error(trajectory, *row, i, &posterior.x)).collect();
         let error = DVector::from_vec(error?);

@@ -11,6 +11,7 @@ mod gap;
 mod held_out;
 mod joint;
 mod joint_density;
+mod nonlinear;
 mod rules;
 mod simulated;
 mod smoother;

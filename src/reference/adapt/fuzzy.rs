@@ -9,7 +9,7 @@ use crate::reference::estimate::count;
 
 /// The last squared innovations of each component.
 #[derive(Debug)]
-pub(super) struct Fuzzy {
+pub(in crate::reference) struct Fuzzy {
     window: usize,
     gain: f64,
     width: f64,
@@ -17,7 +17,7 @@ pub(super) struct Fuzzy {
 }
 
 impl Fuzzy {
-    pub(super) fn new(settings: &[f64], window: usize, m: usize) -> Self {
+    pub(in crate::reference) fn new(settings: &[f64], window: usize, m: usize) -> Self {
         Self { window, gain: settings[0], width: settings[1], squares: vec![VecDeque::new(); m] }
     }
 }

@@ -7,9 +7,11 @@ mod sage_husa_r;
 use nalgebra::DMatrix;
 use std::fmt::Debug;
 
-use super::Cause;
 use super::estimate::{Update, count};
-use crate::model::FilterKind;
+
+pub(super) use fuzzy::Fuzzy;
+pub(super) use sage_husa::SageHusa;
+pub(super) use sage_husa_r::SageHusaR;
 
 /// What an update is adapted from.
 pub(super) struct Evidence<'a> {
@@ -39,31 +41,6 @@ pub(super) trait Adaptation: Debug {
 
     /// Takes an update in, and changes R for those that follow; whether it did.
     fn adapt(&mut self, evidence: &Evidence<'_>, r: &mut DMatrix<f64>) -> bool;
-}
-
-/// The law of a filter for a candidate's parameters and m measurements; none where nothing adapts.
-///
-/// # Errors
-/// If a setting is outside its range.
-pub(super) fn of(kind: &FilterKind, parameters: &[f64], m: usize) -> Result<Option<Box<dyn Adaptation>>, Cause> {
-    let mut values = Vec::new();
-    for setting in &kind.settings() {
-        let value = setting.value(parameters);
-        if !setting.range.contains(value) {
-            return Err(Cause::Setting { key: setting.key });
-        }
-        values.push(value);
-    }
-    Ok(match kind {
-        FilterKind::Kalman(_)
-        | FilterKind::Extended(_)
-        | FilterKind::Iterated(_)
-        | FilterKind::Unscented(_)
-        | FilterKind::Cubature(_) => None,
-        FilterKind::SageHusa(_) => Some(Box::new(sage_husa::SageHusa::new(&values))),
-        FilterKind::SageHusaR(_) => Some(Box::new(sage_husa_r::SageHusaR::new(&values, m))),
-        FilterKind::Fuzzy(fuzzy) => Some(Box::new(fuzzy::Fuzzy::new(&values, fuzzy.window, m))),
-    })
 }
 
 /// d_k = (1 - b) / (1 - b^(k+1)), without the cancellation of b^(k+1) near 1.

@@ -5,14 +5,14 @@ use nalgebra::DMatrix;
 use super::{Adaptation, Evidence, fading};
 
 #[derive(Debug)]
-pub(super) struct SageHusa {
+pub(in crate::reference) struct SageHusa {
     forgetting: f64,
     updates: usize,
     q: DMatrix<f64>,
 }
 
 impl SageHusa {
-    pub(super) fn new(settings: &[f64]) -> Self {
+    pub(in crate::reference) fn new(settings: &[f64]) -> Self {
         Self { forgetting: settings[0], updates: 0, q: DMatrix::zeros(0, 0) }
     }
 }

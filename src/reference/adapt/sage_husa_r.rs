@@ -6,7 +6,7 @@ use super::{Adaptation, Evidence, fading};
 
 /// One count and one least variance a component.
 #[derive(Debug)]
-pub(super) struct SageHusaR {
+pub(in crate::reference) struct SageHusaR {
     forgetting: f64,
     floor: f64,
     updates: Vec<usize>,
@@ -14,7 +14,7 @@ pub(super) struct SageHusaR {
 }
 
 impl SageHusaR {
-    pub(super) fn new(settings: &[f64], m: usize) -> Self {
+    pub(in crate::reference) fn new(settings: &[f64], m: usize) -> Self {
         Self { forgetting: settings[0], floor: settings[1], updates: vec![0; m], least: vec![0.0; m] }
     }
 }

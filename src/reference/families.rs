@@ -1,0 +1,40 @@
+//! The filter that a problem asks for: one line a family.
+
+use super::Cause;
+use super::adapt::{Fuzzy, SageHusa, SageHusaR};
+use super::filter::Filter;
+use super::kalman::Kalman;
+use super::matrices::Formulas;
+use super::sigma::SigmaPoints;
+use crate::model::{FilterKind, Model};
+
+/// The filter of `model` for a candidate: `parameters` are all values.
+///
+/// # Errors
+/// If a setting is outside its range.
+pub(super) fn of(kind: &FilterKind, model: &Model, parameters: Vec<f64>) -> Result<Box<dyn Filter>, Cause> {
+    let values = settings(kind, &parameters)?;
+    let formulas = Formulas::new(model, parameters);
+    let m = formulas.m;
+    Ok(match kind {
+        FilterKind::Kalman(_) => Box::new(Kalman::new(formulas, None)),
+        FilterKind::SageHusa(_) => Box::new(Kalman::new(formulas, Some(Box::new(SageHusa::new(&values))))),
+        FilterKind::SageHusaR(_) => Box::new(Kalman::new(formulas, Some(Box::new(SageHusaR::new(&values, m))))),
+        FilterKind::Fuzzy(fuzzy) => {
+            Box::new(Kalman::new(formulas, Some(Box::new(Fuzzy::new(&values, fuzzy.window, m)))))
+        }
+        FilterKind::Extended(_) => Box::new(Kalman::local(formulas, 1)),
+        FilterKind::Iterated(iterated) => Box::new(Kalman::local(formulas, iterated.iterations)),
+        FilterKind::Unscented(_) => Box::new(SigmaPoints::new(formulas, [values[0], values[1], values[2]])),
+        FilterKind::Cubature(_) => Box::new(SigmaPoints::new(formulas, [1.0, 0.0, 0.0])),
+    })
+}
+
+/// The values of a filter's settings, each in its range.
+fn settings(kind: &FilterKind, parameters: &[f64]) -> Result<Vec<f64>, Cause> {
+    let of = |setting: &crate::model::Setting<'_>| {
+        let value = setting.value(parameters);
+        if setting.range.contains(value) { Ok(value) } else { Err(Cause::Setting { key: setting.key }) }
+    };
+    kind.settings().iter().map(of).collect()
+}

@@ -1,7 +1,7 @@
 //! Formula trees onto the graph.
 
-use crate::model::{Binary, Expr, ExprKind, Parameters, Symbol, Value};
-use crate::tape::{Graph, Id, Leaf};
+use crate::model::{Binary, Expr, ExprKind, Logical, Parameters, Symbol, Value};
+use crate::tape::{Graph, Id, Leaf, Unary};
 
 /// What the symbols of a formula stand for.
 #[derive(Debug, Clone, Copy)]
@@ -60,9 +60,56 @@ pub(super) fn trace(g: &mut Graph, expr: &Expr, scope: Scope<'_>) -> Id {
                 Binary::Power => g.pow(a, b),
             }
         }
+        ExprKind::Logical(..) => {
+            let [holds, fails] = [1.0, 0.0].map(|value| g.constant(value));
+            choose(g, expr, [holds, fails], scope)
+        }
+        ExprKind::If(operands) => {
+            let [condition, a, b] = operands.as_ref();
+            let choices = [a, b].map(|branch| trace(g, branch, scope));
+            choose(g, condition, choices, scope)
+        }
         ExprKind::Call(function, arguments) => {
             let arguments: Vec<Id> = arguments.iter().map(|a| trace(g, a, scope)).collect();
             g.call(*function, &arguments)
+        }
+    }
+}
+
+/// The first choice where a condition is above 0, else the second: one select a comparison, by the sign of a difference.
+fn choose(g: &mut Graph, condition: &Expr, [then, otherwise]: [Id; 2], scope: Scope<'_>) -> Id {
+    let ExprKind::Logical(op, a, b) = &condition.kind else {
+        let condition = trace(g, condition, scope);
+        return g.select(condition, then, otherwise);
+    };
+    match op {
+        Logical::And => {
+            let second = choose(g, b, [then, otherwise], scope);
+            return choose(g, a, [second, otherwise], scope);
+        }
+        Logical::Or => {
+            let second = choose(g, b, [then, otherwise], scope);
+            return choose(g, a, [then, second], scope);
+        }
+        _ => {}
+    }
+    let (a, b) = (trace(g, a, scope), trace(g, b, scope));
+    match op {
+        Logical::Less | Logical::GreaterOrEqual => {
+            let below = g.sub(b, a);
+            let [then, otherwise] = if *op == Logical::Less { [then, otherwise] } else { [otherwise, then] };
+            g.select(below, then, otherwise)
+        }
+        Logical::Greater | Logical::LessOrEqual => {
+            let above = g.sub(a, b);
+            let [then, otherwise] = if *op == Logical::Greater { [then, otherwise] } else { [otherwise, then] };
+            g.select(above, then, otherwise)
+        }
+        _ => {
+            let apart = g.sub(a, b);
+            let apart = g.unary(Unary::Abs, apart);
+            let [then, otherwise] = if *op == Logical::NotEqual { [then, otherwise] } else { [otherwise, then] };
+            g.select(apart, then, otherwise)
         }
     }
 }

@@ -7,7 +7,7 @@
 
 use std::f64::consts::{FRAC_2_SQRT_PI, LOG10_E};
 
-use super::evaluate::{Operation, binary, call};
+use super::evaluate::{Operation, binary, call, holds};
 use super::{Binary, Formula, Function, Symbol};
 
 /// Scratch of [`Formula::gradient`]: values, and n slopes for each. `None` is of what does not depend on a state at all,
@@ -35,6 +35,10 @@ impl Formula {
                 }
                 Operation::Negate => stack.apply(n, |a| (-a, Some(-1.0))),
                 Operation::Binary(op) => stack.apply_pair(n, |a, b| (binary(op, a, b), binary_slopes(op, a, b))),
+                Operation::Logical(op) => {
+                    stack.apply_pair(n, |a, b| (f64::from(u8::from(holds(op, a, b))), [None; 2]));
+                }
+                Operation::If => stack.choose(n),
                 Operation::Call(function) if function.arity() == 2 => {
                     stack.apply_pair(n, |a, b| (call(function, a, b), pair_slopes(function, a, b)));
                 }
@@ -80,6 +84,21 @@ impl Duals {
             };
         }
         self.slopes.truncate(first + n);
+    }
+
+    /// Replaces a condition and two values by the first where it is above 0, else by the second, slopes and all.
+    fn choose(&mut self, n: usize) {
+        let (Some(b), Some(a)) = (self.values.pop(), self.values.pop()) else { return };
+        let Some(last) = self.values.last_mut() else { return };
+        let first = *last > 0.0;
+        *last = if first { a } else { b };
+        let start = self.slopes.len() - 3 * n;
+        for j in start..start + n {
+            let (da, db) = (self.slopes[j + n], self.slopes[j + 2 * n]);
+            // What moves in the other place alone stands still here.
+            self.slopes[j] = if first { da.or(db.map(|_| 0.0)) } else { db.or(da.map(|_| 0.0)) };
+        }
+        self.slopes.truncate(start + n);
     }
 }
 

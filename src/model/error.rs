@@ -69,6 +69,11 @@ pub enum Cause {
     FormulaTooDeep { limit: usize },
     #[error("a formula that chains more than {limit} operations: split it with parentheses")]
     FormulaChain { limit: usize },
+    #[error(
+        "a formula compares a comparison: join two with `and`, as in `a < b and b < c`, or put one in parentheses, which \
+         is 1 or 0"
+    )]
+    ComparisonChain,
     #[error("a formula stops short: expected {expected}")]
     UnexpectedEnd { expected: &'static str },
     #[error("a formula has {found} where {expected} was expected")]

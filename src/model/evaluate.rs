@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use super::{Binary, Expr, ExprKind, Function, Symbol};
+use super::{Binary, Expr, ExprKind, Function, Logical, Symbol};
 
 impl Expr {
     /// The value in f64, with `symbol` giving every symbol's; NaN and infinities follow IEEE 754.
@@ -25,6 +25,8 @@ pub(super) enum Operation {
     Symbol(Symbol),
     Negate,
     Binary(Binary),
+    Logical(Logical),
+    If,
     Call(Function),
 }
 
@@ -37,19 +39,13 @@ impl Formula {
             operations.push(match &node.kind {
                 ExprKind::Number(value) => Operation::Number(*value),
                 ExprKind::Symbol(symbol) => Operation::Symbol(*symbol),
-                ExprKind::Negate(a) => {
-                    pending.push(a);
-                    Operation::Negate
-                }
-                ExprKind::Binary(op, a, b) => {
-                    pending.extend([a.as_ref(), b.as_ref()]);
-                    Operation::Binary(*op)
-                }
-                ExprKind::Call(function, arguments) => {
-                    pending.extend(arguments);
-                    Operation::Call(*function)
-                }
+                ExprKind::Negate(_) => Operation::Negate,
+                ExprKind::Binary(op, ..) => Operation::Binary(*op),
+                ExprKind::Logical(op, ..) => Operation::Logical(*op),
+                ExprKind::If(_) => Operation::If,
+                ExprKind::Call(function, _) => Operation::Call(*function),
             });
+            pending.extend(node.operands());
         }
         operations.reverse();
         Self { operations }
@@ -70,6 +66,14 @@ impl Formula {
                 Operation::Binary(op) => {
                     let b = pop(stack);
                     binary(op, pop(stack), b)
+                }
+                Operation::Logical(op) => {
+                    let b = pop(stack);
+                    f64::from(u8::from(holds(op, pop(stack), b)))
+                }
+                Operation::If => {
+                    let (b, a) = (pop(stack), pop(stack));
+                    if pop(stack) > 0.0 { a } else { b }
                 }
                 Operation::Call(function) if function.arity() == 2 => {
                     let b = pop(stack);
@@ -94,6 +98,20 @@ pub(super) fn binary(op: Binary, a: f64, b: f64) -> f64 {
         Binary::Multiply => a * b,
         Binary::Divide => a / b,
         Binary::Power => a.powf(b),
+    }
+}
+
+/// Whether a comparison holds, by the sign of a difference.
+pub(super) fn holds(op: Logical, a: f64, b: f64) -> bool {
+    match op {
+        Logical::Less => b - a > 0.0,
+        Logical::LessOrEqual => !holds(Logical::Greater, a, b),
+        Logical::Greater => a - b > 0.0,
+        Logical::GreaterOrEqual => !holds(Logical::Less, a, b),
+        Logical::Equal => !holds(Logical::NotEqual, a, b),
+        Logical::NotEqual => (a - b).abs() > 0.0,
+        Logical::And => a > 0.0 && b > 0.0,
+        Logical::Or => a > 0.0 || b > 0.0,
     }
 }
 

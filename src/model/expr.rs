@@ -31,6 +31,11 @@ pub enum ExprKind {
     Negate(Box<Expr>),
     /// `a op b`.
     Binary(Binary, Box<Expr>, Box<Expr>),
+    /// `a < b` and its like, and `a and b`: 1 where it holds, else 0.
+    Logical(Logical, Box<Expr>, Box<Expr>),
+    /// `if(condition, a, b)`: a where the condition is above 0, else b. The other of the two does not matter, even if it is
+    /// no number.
+    If(Box<[Expr; 3]>),
     /// `function(a, ...)`, with as many arguments as [`Function::arity`] says.
     Call(Function, Vec<Expr>),
 }
@@ -57,6 +62,39 @@ pub enum Binary {
     Multiply,
     Divide,
     Power,
+}
+
+/// Comparisons, and what joins them. What is above 0 holds; `not a` is `a <= 0`.
+///
+/// All are told from the sign of a - b, as the tape does: `a <= b` holds where a - b is not above 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[expect(missing_docs, reason = "the names are the operators")]
+pub enum Logical {
+    Less,
+    LessOrEqual,
+    Greater,
+    GreaterOrEqual,
+    Equal,
+    NotEqual,
+    And,
+    Or,
+}
+
+impl Logical {
+    /// The operator as formulas write it.
+    #[must_use]
+    pub const fn symbol(self) -> &'static str {
+        match self {
+            Self::Less => "<",
+            Self::LessOrEqual => "<=",
+            Self::Greater => ">",
+            Self::GreaterOrEqual => ">=",
+            Self::Equal => "==",
+            Self::NotEqual => "!=",
+            Self::And => "and",
+            Self::Or => "or",
+        }
+    }
 }
 
 impl Binary {
@@ -92,16 +130,35 @@ impl Expr {
         Self { kind: ExprKind::Binary(op, Box::new(a), Box::new(b)), span: Span::default() }
     }
 
+    /// `a op b`, made by kfgpu itself.
+    #[must_use]
+    pub fn logical(op: Logical, a: Self, b: Self) -> Self {
+        Self { kind: ExprKind::Logical(op, Box::new(a), Box::new(b)), span: Span::default() }
+    }
+
+    /// Operands, in reading order.
+    #[must_use]
+    pub fn operands(&self) -> Vec<&Self> {
+        match &self.kind {
+            ExprKind::Number(_) | ExprKind::Symbol(_) => vec![],
+            ExprKind::Negate(a) => vec![a],
+            ExprKind::Binary(_, a, b) | ExprKind::Logical(_, a, b) => vec![a, b],
+            ExprKind::If(operands) => operands.iter().collect(),
+            ExprKind::Call(_, arguments) => arguments.iter().collect(),
+        }
+    }
+
     /// Replaces the span of every node.
     pub(super) fn map_spans(&mut self, map: &impl Fn(Span) -> Span) {
         self.span = map(self.span);
         match &mut self.kind {
             ExprKind::Number(_) | ExprKind::Symbol(_) => {}
             ExprKind::Negate(a) => a.map_spans(map),
-            ExprKind::Binary(_, a, b) => {
+            ExprKind::Binary(_, a, b) | ExprKind::Logical(_, a, b) => {
                 a.map_spans(map);
                 b.map_spans(map);
             }
+            ExprKind::If(operands) => operands.iter_mut().for_each(|a| a.map_spans(map)),
             ExprKind::Call(_, arguments) => arguments.iter_mut().for_each(|a| a.map_spans(map)),
         }
     }
@@ -109,14 +166,8 @@ impl Expr {
     /// Calls `visit` on every symbol, in reading order.
     pub fn symbols(&self, visit: &mut impl FnMut(Symbol)) {
         match &self.kind {
-            ExprKind::Number(_) => {}
             ExprKind::Symbol(s) => visit(*s),
-            ExprKind::Negate(a) => a.symbols(visit),
-            ExprKind::Binary(_, a, b) => {
-                a.symbols(visit);
-                b.symbols(visit);
-            }
-            ExprKind::Call(_, arguments) => arguments.iter().for_each(|a| a.symbols(visit)),
+            _ => self.operands().into_iter().for_each(|a| a.symbols(visit)),
         }
     }
 
@@ -134,6 +185,8 @@ impl Expr {
         match (&self.kind, &other.kind) {
             (ExprKind::Negate(a), ExprKind::Negate(b)) => a.same(b),
             (ExprKind::Binary(p, a, b), ExprKind::Binary(q, c, d)) => p == q && a.same(c) && b.same(d),
+            (ExprKind::Logical(p, a, b), ExprKind::Logical(q, c, d)) => p == q && a.same(c) && b.same(d),
+            (ExprKind::If(a), ExprKind::If(b)) => a.iter().zip(b.iter()).all(|(a, b)| a.same(b)),
             (ExprKind::Call(p, a), ExprKind::Call(q, b)) => p == q && a.iter().zip(b).all(|(a, b)| a.same(b)),
             (a, b) => a == b,
         }

@@ -23,9 +23,16 @@ fn uses_states(expr: &Expr) -> Result<bool, &Expr> {
             };
             if affine { Ok(left || right) } else { Err(expr) }
         }
-        ExprKind::Call(_, arguments) => {
-            for argument in arguments {
-                if uses_states(argument)? {
+        ExprKind::If(operands) => {
+            let [condition, a, b] = operands.as_ref();
+            if uses_states(condition)? {
+                return Err(expr);
+            }
+            Ok(uses_states(a)? | uses_states(b)?)
+        }
+        ExprKind::Logical(..) | ExprKind::Call(..) => {
+            for operand in expr.operands() {
+                if uses_states(operand)? {
                     return Err(expr);
                 }
             }

@@ -22,7 +22,7 @@ pub use draft::{Draft, draft};
 pub(crate) use dual::Duals;
 pub use error::{Cause, Place, ProblemError};
 pub(crate) use evaluate::Formula;
-pub use expr::{Binary, Expr, ExprKind, Span, Symbol};
+pub use expr::{Binary, Expr, ExprKind, Logical, Span, Symbol};
 pub use family::{Adapts, Facts, FilterKind, Range, Setting};
 pub use library::built_in_models;
 pub use parameter::{Parameter, Parameters, Scale, Search, Value};

@@ -5,7 +5,7 @@
 //! D exp a = exp(a) expm1(alpha), D sin a = 2 cos(a + alpha/2) sin(alpha/2), and so on, a row for each operation in
 //! [`super::operations`].
 
-use super::codes::Binary;
+use super::codes::{Binary, Unary};
 use super::graph::{Graph, Id, Leaf, Node};
 use super::moved::Moved;
 use std::collections::{HashMap, HashSet};
@@ -147,7 +147,37 @@ impl Graph {
 
     /// The deltas of both choices; where the condition moves, each may be taken in the other's place.
     fn chosen(&mut self, condition: Moved, choices: [Moved; 2], base: Id) -> [Id; 2] {
-        if self.is(condition.delta, 0.0) { choices.map(|c| c.delta) } else { choices.map(|c| c.from(self, base)) }
+        if self.is(condition.delta, 0.0) {
+            choices.map(|choice| choice.delta)
+        } else {
+            choices.map(|choice| self.crossing(choice, base))
+        }
+    }
+
+    /// How far a choice is from `base`, which may be of the other one. Its own base then need not be a number, as of
+    /// `if(x > 0, sqrt(x), 0)` that x enters from below: there it is value - base.
+    fn crossing(&mut self, choice: Moved, base: Id) -> Id {
+        let exact = choice.from(self, base);
+        if !self.may_be_no_number(choice.base) {
+            return exact;
+        }
+        // Above 0 where the base is finite.
+        let (one, size) = (self.constant(1.0), self.unary(Unary::Abs, choice.base));
+        let more = self.add(one, size);
+        let inverse = self.div(one, more);
+        let finite = self.unary(Unary::Positive, inverse);
+        let apart = self.sub(choice.value, base);
+        self.select(finite, exact, apart)
+    }
+
+    /// Whether an operation that finite operands can take out of its domain leads to a node.
+    fn may_be_no_number(&self, id: Id) -> bool {
+        self.reachable(&[id], |_| true).into_iter().any(|id| match self.node(id) {
+            Node::Unary(op, _) => matches!(op, Unary::Sqrt | Unary::Ln | Unary::Log1p | Unary::Exp | Unary::Expm1),
+            Node::Binary(op, ..) => matches!(op, Binary::Divide | Binary::Power),
+            Node::Constant(bits) => !f64::from_bits(bits).is_finite(),
+            _ => false,
+        })
     }
 }
 

@@ -4,9 +4,22 @@ use super::{Scope, trace};
 use crate::model::{Expr, ExprKind, FormulaPlace, FormulaScope, Function, Names, Symbol, parse};
 use crate::random::{Purpose, Stream};
 use crate::reference;
-use crate::tape::{Calculator, Graph, Leaf};
+use crate::tape::{Calculator, Graph, Id, Leaf, Moved, Node};
+use std::collections::HashMap;
 
 const LEAVES: [Leaf; 2] = [Leaf::Variable(0), Leaf::Variable(1)];
+
+fn graph() -> (Graph, [Id; 2]) {
+    let mut g = Graph::default();
+    let states = LEAVES.map(|leaf| g.leaf(leaf));
+    (g, states)
+}
+
+fn parsed(text: &str) -> Expr {
+    let names = Names { states: vec!["x".to_owned(), "y".to_owned()], ..Names::default() };
+    let scope = FormulaScope { names: &names, place: FormulaPlace::Transition, key: "f" };
+    parse(text, scope).unwrap_or_else(|fault| panic!("{text}: {}", fault.cause))
+}
 
 /// A formula of x and y, on the graph with its derivatives.
 struct Traced {
@@ -16,8 +29,7 @@ struct Traced {
 
 impl Traced {
     fn of(expr: Expr) -> Self {
-        let mut g = Graph::default();
-        let states = LEAVES.map(|leaf| g.leaf(leaf));
+        let (mut g, states) = graph();
         let dt = g.constant(0.5);
         let value = trace(&mut g, &expr, Scope { states: &states, parameters: &[], inputs: &[], dt });
         let slopes = LEAVES.map(|leaf| g.differentiate(value, leaf));
@@ -26,9 +38,7 @@ impl Traced {
     }
 
     fn parsed(text: &str) -> Self {
-        let names = Names { states: vec!["x".to_owned(), "y".to_owned()], ..Names::default() };
-        let scope = FormulaScope { names: &names, place: FormulaPlace::Transition, key: "f" };
-        Self::of(parse(text, scope).unwrap_or_else(|fault| panic!("{text}: {}", fault.cause)))
+        Self::of(parsed(text))
     }
 
     /// Value and derivatives on the graph.
@@ -110,6 +120,61 @@ fn derivatives_of_every_function_are_those_of_dual_numbers_and_of_differences() 
     }
 }
 
+/// One comparison as a condition is one select, on the difference of its sides.
+#[test]
+fn a_condition_is_one_select() {
+    for (text, selects) in [
+        ("if(x < y, x, 2)", 1),
+        ("if(x >= y, x, 2)", 1),
+        ("if(x == y, x, 2)", 1),
+        ("if(not x > y, x, 2)", 2),
+        ("if(x < y and x > 0, x, 2)", 2),
+        ("if(x < y or x > 0, x, 2)", 2),
+        ("(x != y)*3", 1),
+        ("if(x, 1, 1)", 0),
+    ] {
+        let (mut g, states) = graph();
+        let dt = g.constant(0.5);
+        let expr = parsed(text);
+        let value = trace(&mut g, &expr, Scope { states: &states, parameters: &[], inputs: &[], dt });
+        let found = g.reachable(&[value], |_| true).into_iter();
+        let found = found.filter(|id| matches!(g.node(*id), Node::Select { .. })).count();
+        assert_eq!(found, selects, "{text}");
+    }
+}
+
+/// What the branch that is not taken has does not matter: for values, derivatives and differences across the border.
+#[test]
+fn the_branch_that_is_not_taken_may_be_no_number() {
+    for text in [
+        "if(x > 0, sqrt(x), 0)",
+        "if(x <= 0, 0, sqrt(x))",
+        "if(x > 0, ln(x)/x, x)",
+        "if(x != 0, sin(x)/x, 1) + if(abs(x) > 3, 1/(abs(x) - 3), 0)",
+        "if(x > 0 and y > 0, sqrt(x*y), 1)",
+    ] {
+        let mut traced = Traced::parsed(text);
+        let (mut g, states) = graph();
+        let dt = g.constant(0.5);
+        let value = trace(&mut g, &traced.expr, Scope { states: &states, parameters: &[], inputs: &[], dt });
+        let places = [-2.0, -0.5, 0.0, 0.25, 3.0, 4.0];
+        for (at, base) in places.iter().flat_map(|x| places.map(|y| ([*x, 1.0], [y, 1.0]))) {
+            let (graph, tree) = (traced.on_graph(at), traced.on_tree(at));
+            assert!(graph.iter().chain(&tree).all(|v| v.is_finite()), "{text} at {at:?}: {graph:?} {tree:?}");
+            assert!(graph.iter().zip(&tree).all(|(a, b)| (a - b).abs() < 1e-12), "{text}: {graph:?} {tree:?}");
+            let mut moved = HashMap::new();
+            for (leaf, (at, base)) in LEAVES.iter().zip(at.iter().zip(base)) {
+                let (base, delta) = (g.constant(base), g.constant(at - base));
+                moved.insert(*leaf, Moved::by(&mut g, base, delta));
+            }
+            let delta = g.difference(&[value], &moved, &mut |_, _| false)[0].delta;
+            let expected = graph[0] - traced.on_graph(base)[0];
+            let found = g.value(delta).unwrap();
+            assert!((found - expected).abs() < 1e-12, "{text} from {base:?} to {at:?}: {found}, expected {expected}");
+        }
+    }
+}
+
 #[test]
 fn derivatives_of_formulas_are_those_of_dual_numbers_and_of_differences() {
     for text in [
@@ -124,6 +189,10 @@ fn derivatives_of_formulas_are_those_of_dual_numbers_and_of_differences() {
         "tanh(x*y) - erf(x - y) * ln(1 + y^2)",
         "-(x*exp(-y^2)) / (2 + sin(x))",
         "wrap(x + y) * floor(y)",
+        "if(x > y, x^2, sin(y)) * (x <= 0.1)",
+        "if(x > 0, sqrt(x)*y, 0) + if(y <= 0, 0, ln(y))",
+        "if(x > 0 and y > 0 or x < -1 and not y >= 0.5, x*y, x - y)",
+        "if(floor(x) == 0, x, if(floor(y) != 1, y, x*y))",
         "asin(0.9*sin(x)) + acos(x/30) + lgamma(abs(y))",
     ] {
         let checked = Traced::parsed(text).check_at_random_points(text);

@@ -4,7 +4,7 @@ use super::degrees::Degrees;
 use super::names::{Input, names_a_counter, names_a_measurement, names_a_time, names_an_input, unit_in};
 use super::survey::{Column, Content, Survey};
 use crate::data::TimeUnit;
-use crate::model::Function;
+use crate::model::formula::reserved;
 
 const TRUTH_SUFFIXES: [&str; 3] = ["_true", "_truth", "_gt"];
 const TRUTH_PREFIXES: [&str; 3] = ["true_", "truth_", "gt_"];
@@ -202,7 +202,5 @@ pub(super) fn identifier(text: &str) -> String {
     if !name.starts_with(|c: char| c.is_ascii_alphabetic()) {
         name.insert(0, 'x');
     }
-    let is_reserved =
-        matches!(name.as_str(), "dt" | "pi") || Function::ALL.iter().any(|(function, _)| *function == name);
-    if is_reserved { name + "_" } else { name }
+    if reserved(&name).is_some() { name + "_" } else { name }
 }

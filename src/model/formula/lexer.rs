@@ -1,7 +1,7 @@
 //! Formula text to tokens.
 
 use crate::model::error::{Cause, Fault};
-use crate::model::{Binary, Span};
+use crate::model::{Binary, Logical, Span};
 use crate::words::shorten;
 
 /// A token.
@@ -10,6 +10,7 @@ pub(super) enum Token<'a> {
     Number(f64),
     Name(&'a str),
     Operator(Binary),
+    Comparison(Logical),
     Open,
     Close,
     Comma,
@@ -41,6 +42,7 @@ impl<'a> Lexer<'a> {
                 let length = rest.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).unwrap_or(rest.len());
                 (Token::Name(&rest[..length]), length)
             }
+            '<' | '>' | '=' | '!' => comparison(rest, start)?,
             c => (symbol(c, start)?, 1),
         };
         self.position = start + length;
@@ -64,6 +66,24 @@ fn symbol(c: char, start: usize) -> Result<Token<'static>, Fault> {
             return Err(Fault::new(span, Cause::Syntax { found, expected: "a number, a name or an operator" }));
         }
     })
+}
+
+/// `<`, `<=`, `>`, `>=`, `==` or `!=`.
+fn comparison(rest: &str, start: usize) -> Result<(Token<'static>, usize), Fault> {
+    const ALL: [Logical; 6] = [
+        Logical::LessOrEqual,
+        Logical::GreaterOrEqual,
+        Logical::Equal,
+        Logical::NotEqual,
+        Logical::Less,
+        Logical::Greater,
+    ];
+    if let Some(op) = ALL.into_iter().find(|op| rest.starts_with(op.symbol())) {
+        return Ok((Token::Comparison(op), op.symbol().len()));
+    }
+    let expected = if rest.starts_with('=') { "`==` (a comparison)" } else { "`!=` or `not`" };
+    let span = Span { start, end: start + 1 };
+    Err(Fault::new(span, Cause::Syntax { found: format!("`{}`", &rest[..1]), expected }))
 }
 
 /// `12`, `1.5`, `.5`, `1e-3`. An `e` that no digits follow is left to be a name.
@@ -99,6 +119,7 @@ impl Token<'_> {
             Self::Number(value) => format!("the number {value}"),
             Self::Name(name) => format!("`{}`", shorten(name)),
             Self::Operator(op) => format!("`{}`", op.symbol()),
+            Self::Comparison(op) => format!("`{}`", op.symbol()),
             Self::Open => "`(`".to_owned(),
             Self::Close => "`)`".to_owned(),
             Self::Comma => "`,`".to_owned(),

@@ -1,11 +1,16 @@
-//! The formula language: `+ - * / ^`, parentheses, the functions of [`Function::ALL`], `pi`, and names.
+//! The formula language: `+ - * / ^`, comparisons, `and`, `or`, `not`, parentheses, `if`, the functions of [`Function::ALL`],
+//! `pi`, and names.
 //!
 //! ```text
+//! formula = both { "or" both }
+//! both    = inverse { "and" inverse }
+//! inverse = "not" inverse | compare
+//! compare = sum [ ("<" | "<=" | ">" | ">=" | "==" | "!=") sum ]
 //! sum     = product { ("+" | "-") product }
 //! product = signed { ("*" | "/") signed }
 //! signed  = ("-" | "+") signed | power          so -a^2 = -(a^2)
 //! power   = atom [ "^" signed ]                 so a^b^c = a^(b^c) and a^-1 = a^(-1)
-//! atom    = number | name | function "(" sum { "," sum } ")" | "(" sum ")"
+//! atom    = number | name | function "(" formula { "," formula } ")" | "(" formula ")"
 //! ```
 //!
 //! Formulas are data: no side effects, bounded length, bounded depth.
@@ -18,7 +23,7 @@ mod scope;
 mod tests;
 
 pub(crate) use parser::parse;
-pub(crate) use scope::{Names, Place as FormulaPlace, Scope, is_name};
+pub(crate) use scope::{Names, Place as FormulaPlace, Scope, is_name, reserved};
 
 #[cfg(doc)]
 use super::Function;

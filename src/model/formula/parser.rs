@@ -1,10 +1,10 @@
 //! Tokens to tree, by recursive descent.
 
 use super::lexer::{Lexer, Token};
-use super::scope::{Scope, function};
+use super::scope::{Callee, Scope, WORDS, callee};
 use super::{MAX_DEPTH, MAX_LENGTH, MAX_NESTING};
 use crate::model::error::{Cause, Fault};
-use crate::model::{Binary, Expr, ExprKind, Span};
+use crate::model::{Binary, Expr, ExprKind, Logical, Span};
 
 /// A subtree and its depth.
 struct Tree {
@@ -29,7 +29,7 @@ pub(crate) fn parse(text: &str, scope: Scope<'_>) -> Result<Expr, Fault> {
     }
     let mut parser = Parser { lexer: Lexer::new(text), token: Token::End, span: Span::default(), nesting: 0, scope };
     parser.advance()?;
-    let tree = parser.sum()?;
+    let tree = parser.formula()?;
     match parser.token {
         Token::End => Ok(tree.expr),
         _ => Err(parser.unexpected("an operator")),
@@ -61,6 +61,58 @@ impl<'a> Parser<'a> {
         let tree = inner(self);
         self.nesting -= 1;
         tree
+    }
+
+    fn formula(&mut self) -> Result<Tree, Fault> {
+        self.joined("or", Logical::Or, Self::conjunction)
+    }
+
+    fn conjunction(&mut self) -> Result<Tree, Fault> {
+        self.joined("and", Logical::And, Self::negation)
+    }
+
+    /// `part { word part }`.
+    fn joined(
+        &mut self,
+        word: &str,
+        op: Logical,
+        part: impl Fn(&mut Self) -> Result<Tree, Fault>,
+    ) -> Result<Tree, Fault> {
+        let mut left = part(self)?;
+        while self.token == Token::Name(word) {
+            let (_, at) = self.advance()?;
+            let right = part(self)?;
+            left = pair(at, left, right, |a, b| ExprKind::Logical(op, a, b))?;
+        }
+        Ok(left)
+    }
+
+    /// `not a` is `a <= 0`.
+    fn negation(&mut self) -> Result<Tree, Fault> {
+        if self.token != Token::Name("not") {
+            return self.comparison();
+        }
+        self.nested(|p| {
+            let (_, at) = p.advance()?;
+            let inner = p.negation()?;
+            let end = inner.expr.span.end;
+            let mut tree = pair(at, inner, leaf(ExprKind::Number(0.0), at), |a, zero| {
+                ExprKind::Logical(Logical::LessOrEqual, a, zero)
+            })?;
+            tree.expr.span = Span { start: at.start, end };
+            Ok(tree)
+        })
+    }
+
+    fn comparison(&mut self) -> Result<Tree, Fault> {
+        let left = self.sum()?;
+        let Token::Comparison(op) = self.token else { return Ok(left) };
+        let (_, at) = self.advance()?;
+        let right = self.sum()?;
+        if let Token::Comparison(_) = self.token {
+            return Err(Fault::new(self.span, Cause::ComparisonChain));
+        }
+        pair(at, left, right, |a, b| ExprKind::Logical(op, a, b))
     }
 
     fn sum(&mut self) -> Result<Tree, Fault> {
@@ -114,6 +166,9 @@ impl<'a> Parser<'a> {
                 Ok(leaf(ExprKind::Number(value), span))
             }
             Token::Name(name) => {
+                if WORDS.contains(&name) {
+                    return Err(self.unexpected("a number, a name or `(`"));
+                }
                 let (_, span) = self.advance()?;
                 match self.token {
                     Token::Open => self.nested(|p| p.call(name, span)),
@@ -133,10 +188,10 @@ impl<'a> Parser<'a> {
         Ok(leaf(kind, span))
     }
 
-    /// `( sum )`; the tree's span takes the parentheses in.
+    /// `( formula )`; the tree's span takes the parentheses in.
     fn parenthesis(&mut self) -> Result<Tree, Fault> {
         let (_, open) = self.advance()?;
-        let mut tree = self.sum()?;
+        let mut tree = self.formula()?;
         let close = self.close("`)` or an operator")?;
         tree.expr.span = Span { start: open.start, end: close.end };
         Ok(tree)
@@ -150,8 +205,22 @@ impl<'a> Parser<'a> {
     }
 
     fn call(&mut self, name: &str, at: Span) -> Result<Tree, Fault> {
-        let function = function(name, at)?;
+        let callee = callee(name, at)?;
         self.advance()?;
+        let (arguments, depth) = self.arguments()?;
+        let span = Span { start: at.start, end: self.close("`)`")?.end };
+        let (expected, found) = (callee.arity(), arguments.len());
+        let refused = || Fault::new(span, Cause::ArgumentCount { name: name.to_owned(), expected, found });
+        let kind = match callee {
+            Callee::If => ExprKind::If(Box::new(arguments.try_into().map_err(|_| refused())?)),
+            Callee::Function(function) if found == expected => ExprKind::Call(function, arguments),
+            Callee::Function(_) => return Err(refused()),
+        };
+        Ok(Tree { expr: Expr { kind, span }, depth: depth + 1 })
+    }
+
+    /// Arguments up to the closing parenthesis, and the depth of the deepest.
+    fn arguments(&mut self) -> Result<(Vec<Expr>, usize), Fault> {
         let (mut arguments, mut depth) = (Vec::new(), 0);
         while self.token != Token::Close {
             if !arguments.is_empty() {
@@ -160,16 +229,11 @@ impl<'a> Parser<'a> {
                     _ => return Err(self.unexpected("`,`, `)` or an operator")),
                 };
             }
-            let argument = self.sum()?;
+            let argument = self.formula()?;
             depth = depth.max(argument.depth);
             arguments.push(argument.expr);
         }
-        let span = Span { start: at.start, end: self.close("`)`")?.end };
-        if arguments.len() != function.arity() {
-            let (name, expected, found) = (name.to_owned(), function.arity(), arguments.len());
-            return Err(Fault::new(span, Cause::ArgumentCount { name, expected, found }));
-        }
-        Ok(Tree { expr: Expr { kind: ExprKind::Call(function, arguments), span }, depth: depth + 1 })
+        Ok((arguments, depth))
     }
 }
 
@@ -177,13 +241,17 @@ const fn leaf(kind: ExprKind, span: Span) -> Tree {
     Tree { expr: Expr { kind, span }, depth: 1 }
 }
 
-/// `left op right`, unless the tree grows too deep to recurse over: then an error at the operator.
 fn binary(op: Binary, at: Span, left: Tree, right: Tree) -> Result<Tree, Fault> {
+    pair(at, left, right, |a, b| ExprKind::Binary(op, a, b))
+}
+
+/// `left op right`, unless the tree grows too deep to recurse over: then an error at the operator.
+fn pair(at: Span, left: Tree, right: Tree, kind: impl FnOnce(Box<Expr>, Box<Expr>) -> ExprKind) -> Result<Tree, Fault> {
     let depth = left.depth.max(right.depth) + 1;
     if depth > MAX_DEPTH {
         return Err(Fault::new(at, Cause::FormulaChain { limit: MAX_DEPTH }));
     }
     let span = Span { start: left.expr.span.start, end: right.expr.span.end };
-    let kind = ExprKind::Binary(op, Box::new(left.expr), Box::new(right.expr));
+    let kind = kind(Box::new(left.expr), Box::new(right.expr));
     Ok(Tree { expr: Expr { kind, span }, depth })
 }

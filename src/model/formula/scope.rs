@@ -109,10 +109,45 @@ pub(crate) fn is_name(name: &str) -> bool {
         && characters.all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
-/// The function called `name`.
-pub(super) fn function(name: &str, span: Span) -> Result<Function, Fault> {
-    let names = || Function::ALL.iter().map(|(known, _)| *known);
-    Function::ALL.iter().find(|(known, _)| *known == name).map(|(_, function)| *function).ok_or_else(|| {
+/// Words with a meaning of their own between operands.
+pub(super) const WORDS: [&str; 3] = ["and", "or", "not"];
+
+/// What stands before parentheses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Callee {
+    Function(Function),
+    If,
+}
+
+impl Callee {
+    pub(super) const fn arity(self) -> usize {
+        match self {
+            Self::Function(function) => function.arity(),
+            Self::If => 3,
+        }
+    }
+}
+
+/// Everything that can be called, by name.
+fn callees() -> impl Iterator<Item = (&'static str, Callee)> {
+    let functions = Function::ALL.iter().map(|(name, function)| (*name, Callee::Function(*function)));
+    functions.chain([("if", Callee::If)])
+}
+
+/// What a name that formulas already give a meaning is; `None` for any other.
+pub(crate) fn reserved(name: &str) -> Option<&'static str> {
+    match name {
+        "dt" => Some("the interval to the next row"),
+        "pi" => Some("the circle constant"),
+        _ if WORDS.contains(&name) => Some("an operator"),
+        _ => callees().any(|(known, _)| known == name).then_some("a function"),
+    }
+}
+
+/// What is called `name`.
+pub(super) fn callee(name: &str, span: Span) -> Result<Callee, Fault> {
+    let names = || callees().map(|(known, _)| known);
+    callees().find(|(known, _)| *known == name).map(|(_, callee)| callee).ok_or_else(|| {
         let nearest = nearest(name, names());
         let known = names().map(str::to_owned).collect();
         Fault::new(span, Cause::UnknownFunction { name: shorten(name), nearest, known })

@@ -55,6 +55,20 @@ fn precedence_and_association() {
         ("sqrt(abs(-16)) + ln(exp(2))", 6.0),
         ("sin(0) + tan(0) + atan(0)", 0.0),
         (" x\t+\n1 ", 3.0),
+        ("x < v", 1.0),
+        ("x + 1 < v", 0.0),
+        ("x + 1 <= v", 1.0),
+        ("10*(x>v) + (v>=3)", 1.0),
+        ("10*(x==2) + (x!=2)", 10.0),
+        ("if(x > v, 7, -x^2)", -4.0),
+        ("if(-1, 1, if(0, 2, 3))", 3.0),
+        ("x < v and v < 4", 1.0),
+        ("1 < 0 or 0 < 1 and not 1 < 0", 1.0),
+        ("not x < v or x < v", 1.0),
+        ("not not (x - 1)", 1.0),
+        ("2 or 0", 1.0),
+        ("if(x == 2 and not v == 2, 5, 6)", 5.0),
+        ("(1 < 2) < 2", 1.0),
     ] {
         assert!((value(text) - expected).abs() < 1e-12, "{text} = {}, expected {expected}", value(text));
     }
@@ -70,6 +84,8 @@ fn spans_take_in_parentheses_and_calls() {
     assert_eq!(&text[right.span.start..right.span.end], "sin(v)");
 }
 
+const CHAIN: &str = "a formula compares a comparison: join two with `and`, as in `a < b and b < c`, or put one in parentheses, which is 1 or 0";
+
 #[test]
 fn syntax_errors_point_at_the_token() {
     for (text, at, message) in [
@@ -81,6 +97,15 @@ fn syntax_errors_point_at_the_token() {
         ("(x", "", "a formula stops short: expected `)` or an operator"),
         ("sin(x", "", "a formula stops short: expected `,`, `)` or an operator"),
         ("min(x,,v)", ",", "a formula has `,` where a number, a name or `(` was expected"),
+        ("x < v < 3", "<", CHAIN),
+        ("x == v != 3", "!=", CHAIN),
+        ("x = v", "=", "a formula has `=` where `==` (a comparison) was expected"),
+        ("!x", "!", "a formula has `!` where `!=` or `not` was expected"),
+        ("x < not v", "not", "a formula has `not` where a number, a name or `(` was expected"),
+        ("x and", "", "a formula stops short: expected a number, a name or `(`"),
+        ("x not v", "not", "a formula has `not` where an operator was expected"),
+        ("if(x, v)", "if(x, v)", "`if` takes 3 arguments, found 2"),
+        ("if + 1", "if", "unknown name `if` (known: `x`, `v`, `q`, `sigma_a`, `u`, `dt`, `pi`)"),
         ("x $ v", "$", "a formula has `$` where a number, a name or an operator was expected"),
         ("x + é", "é", "a formula has `é` where a number, a name or an operator was expected"),
         ("1e999*x", "1e999", "`1e999` is not a finite number"),
@@ -136,6 +161,8 @@ fn depth_and_length_are_bounded() {
         "+".repeat(9000) + "x",
         "sin(".repeat(2000),
         "x^".repeat(4000),
+        "not ".repeat(2000),
+        "if(1, 2, ".repeat(1000),
     ] {
         let (cause, _) = refused(&text, FormulaPlace::Transition);
         assert_eq!(cause, Cause::FormulaTooDeep { limit: MAX_NESTING });
@@ -149,6 +176,11 @@ fn depth_and_length_are_bounded() {
 #[test]
 fn long_chains_are_refused_before_they_are_too_deep_to_walk() {
     let chain = |n: usize, op: &str| vec!["x"; n].join(op);
+    for op in [" or ", " and "] {
+        assert!(parse_in(&chain(MAX_DEPTH, op), FormulaPlace::Transition).is_ok(), "{op}");
+        let (cause, _) = refused(&chain(MAX_DEPTH + 1, op), FormulaPlace::Transition);
+        assert_eq!(cause, Cause::FormulaChain { limit: MAX_DEPTH }, "{op}");
+    }
     for op in ["+", "-", "*", "/"] {
         assert!(parse_in(&chain(MAX_DEPTH, op), FormulaPlace::Transition).is_ok(), "{op}");
         let text = chain(5000, op);
@@ -173,11 +205,14 @@ fn print(expr: &Expr) -> String {
         ExprKind::Symbol(Symbol::Dt) => "dt".to_owned(),
         ExprKind::Negate(a) => format!("(-{})", print(a)),
         ExprKind::Binary(op, a, b) => format!("({} {} {})", print(a), op.symbol(), print(b)),
-        ExprKind::Call(function, arguments) => {
-            let name = crate::model::Function::ALL.iter().find(|(_, f)| f == function).unwrap().0;
-            format!("{name}({})", arguments.iter().map(print).collect::<Vec<_>>().join(", "))
-        }
+        ExprKind::Logical(op, a, b) => format!("({} {} {})", print(a), op.symbol(), print(b)),
+        ExprKind::If(_) => call("if", expr),
+        ExprKind::Call(function, _) => call(function.name(), expr),
     }
+}
+
+fn call(name: &str, expr: &Expr) -> String {
+    format!("{name}({})", expr.operands().into_iter().map(print).collect::<Vec<_>>().join(", "))
 }
 
 fn formula() -> impl Strategy<Value = String> {
@@ -191,6 +226,9 @@ fn formula() -> impl Strategy<Value = String> {
                 .prop_map(|(a, b, op)| format!("{a} {op} {b}")),
             inner.clone().prop_map(|a| format!("-({a})")),
             inner.clone().prop_map(|a| format!("cos({a})")),
+            (inner.clone(), inner.clone(), prop::sample::select(vec!["<", "<=", "==", "!=", "and", "or"]))
+                .prop_map(|(a, b, op)| format!("if(({a}) {op} ({b}), {a}, {b})")),
+            inner.clone().prop_map(|a| format!("(not {a})")),
             (inner.clone(), inner).prop_map(|(a, b)| format!("min({a}, {b})")),
         ]
     })
@@ -205,7 +243,7 @@ proptest! {
     }
 
     #[test]
-    fn any_text_of_the_alphabet_is_parsed_or_refused(text in "[-+*/^().,0-9exvqu ]{0,60}") {
+    fn any_text_of_the_alphabet_is_parsed_or_refused(text in "[-+*/^().,0-9exvqu <>=!]{0,60}") {
         if let Err(fault) = parse_in(&text, FormulaPlace::Transition) {
             prop_assert!(text.get(fault.span.start..fault.span.end).is_some(), "{:?}", fault.span);
         }

@@ -1,8 +1,8 @@
 //! What every list of names is held to.
 
+use crate::model::Span;
 use crate::model::error::{Cause, Fault};
-use crate::model::formula::is_name;
-use crate::model::{Function, Span};
+use crate::model::formula::{is_name, reserved};
 use crate::words::shorten;
 
 /// Refuses names that formulas cannot use or that mean something else.
@@ -10,13 +10,10 @@ pub(super) fn check_name(name: &str, span: Span) -> Result<(), Fault> {
     if !is_name(name) {
         return Err(Fault::new(span, Cause::BadName { name: shorten(name) }));
     }
-    let taken = match name {
-        "dt" => "the interval to the next row",
-        "pi" => "the circle constant",
-        _ if Function::ALL.iter().any(|(function, _)| *function == name) => "a function",
-        _ => return Ok(()),
-    };
-    Err(Fault::new(span, Cause::NameTaken { name: shorten(name), taken }))
+    match reserved(name) {
+        Some(taken) => Err(Fault::new(span, Cause::NameTaken { name: shorten(name), taken })),
+        None => Ok(()),
+    }
 }
 
 /// Refuses absurd sizes.

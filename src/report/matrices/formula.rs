@@ -1,8 +1,9 @@
 //! Formulas with a candidate's numbers in them: derivatives by the states, what is left without them, and their text.
 
-use crate::model::{Binary, Expr, ExprKind, Function, Model, Symbol};
+use crate::model::{Binary, Expr, ExprKind, Model, Span, Symbol};
 
-/// How tightly an operation binds: a sum, a product, a power, what needs no parentheses.
+/// How tightly an operation binds: a comparison, a sum, a product, a power, what needs no parentheses.
+const COMPARISON: u8 = 0;
 const SUM: u8 = 1;
 const PRODUCT: u8 = 2;
 const POWER: u8 = 3;
@@ -17,12 +18,35 @@ pub(super) fn filled(expr: &Expr, parameters: &[f64], dt: Option<f64>) -> Expr {
         ExprKind::Number(_) | ExprKind::Symbol(_) => expr.clone(),
         ExprKind::Negate(a) => negated(again(a)),
         ExprKind::Binary(op, a, b) => joined(*op, again(a), again(b)),
-        ExprKind::Call(function, arguments) => {
-            let arguments: Vec<Expr> = arguments.iter().map(again).collect();
-            let constant = arguments.iter().all(|a| number(a).is_some());
-            let call = Expr { kind: ExprKind::Call(*function, arguments), span: expr.span };
-            if constant { Expr::number(call.evaluate(&|_| f64::NAN)) } else { call }
+        ExprKind::Logical(op, a, b) => folded(Expr::logical(*op, again(a), again(b))),
+        ExprKind::If(operands) => {
+            let [condition, a, b] = operands.as_ref();
+            chosen(again(condition), again(a), again(b))
         }
+        ExprKind::Call(function, arguments) => {
+            folded(Expr { kind: ExprKind::Call(*function, arguments.iter().map(again).collect()), span: expr.span })
+        }
+    }
+}
+
+/// An operation on numbers alone as a number.
+fn folded(expr: Expr) -> Expr {
+    let constant = expr.operands().into_iter().all(|a| number(a).is_some());
+    if constant { Expr::number(expr.evaluate(&|_| f64::NAN)) } else { expr }
+}
+
+/// `if(condition, a, b)`, or the one of the two that it always is.
+fn chosen(condition: Expr, a: Expr, b: Expr) -> Expr {
+    match number(&condition) {
+        Some(value) => {
+            if value > 0.0 {
+                a
+            } else {
+                b
+            }
+        }
+        None if a.same(&b) => a,
+        None => Expr { kind: ExprKind::If(Box::new([condition, a, b])), span: Span::default() },
     }
 }
 
@@ -33,8 +57,9 @@ pub(super) fn coefficient(expr: &Expr, state: usize) -> Expr {
     match &expr.kind {
         ExprKind::Symbol(Symbol::State(i)) if *i == state => Expr::number(1.0),
         // A function of states would not be affine.
-        ExprKind::Number(_) | ExprKind::Symbol(_) | ExprKind::Call(..) => Expr::number(0.0),
+        ExprKind::Number(_) | ExprKind::Symbol(_) | ExprKind::Logical(..) | ExprKind::Call(..) => Expr::number(0.0),
         ExprKind::Negate(a) => negated(of(a)),
+        ExprKind::If(operands) => chosen(operands[0].clone(), of(&operands[1]), of(&operands[2])),
         ExprKind::Binary(op @ (Binary::Add | Binary::Subtract), a, b) => joined(*op, of(a), of(b)),
         ExprKind::Binary(Binary::Multiply, a, b) if has_states(b) => joined(Binary::Multiply, (**a).clone(), of(b)),
         ExprKind::Binary(op @ (Binary::Multiply | Binary::Divide), a, b) => joined(*op, of(a), (**b).clone()),
@@ -49,7 +74,8 @@ pub(super) fn offset(expr: &Expr) -> Expr {
         ExprKind::Symbol(Symbol::State(_)) => Expr::number(0.0),
         ExprKind::Negate(a) => negated(offset(a)),
         ExprKind::Binary(op, a, b) => joined(*op, offset(a), offset(b)),
-        ExprKind::Number(_) | ExprKind::Symbol(_) | ExprKind::Call(..) => expr.clone(),
+        ExprKind::If(operands) => chosen(operands[0].clone(), offset(&operands[1]), offset(&operands[2])),
+        ExprKind::Number(_) | ExprKind::Symbol(_) | ExprKind::Logical(..) | ExprKind::Call(..) => expr.clone(),
     }
 }
 
@@ -154,12 +180,18 @@ impl Writer<'_> {
             ExprKind::Symbol(symbol) => (self.name(*symbol), ATOM),
             ExprKind::Negate(a) => (format!("-{}", self.within(a, PRODUCT)), SUM),
             ExprKind::Binary(op, a, b) => self.binary(*op, a, b),
-            ExprKind::Call(function, arguments) => {
-                let name = Function::ALL.iter().find(|(_, known)| known == function).map_or("", |(name, _)| name);
-                let arguments: Vec<String> = arguments.iter().map(|a| self.text(a)).collect();
-                (format!("{name}({})", arguments.join(", ")), ATOM)
+            ExprKind::Logical(op, a, b) => {
+                let (a, b) = (self.within(a, SUM), self.within(b, SUM));
+                (format!("{a} {} {b}", op.symbol()), COMPARISON)
             }
+            ExprKind::If(_) => (self.call("if", expr), ATOM),
+            ExprKind::Call(function, _) => (self.call(function.name(), expr), ATOM),
         }
+    }
+
+    fn call(&self, name: &str, expr: &Expr) -> String {
+        let arguments: Vec<String> = expr.operands().into_iter().map(|a| self.text(a)).collect();
+        format!("{name}({})", arguments.join(", "))
     }
 
     fn binary(&self, op: Binary, a: &Expr, b: &Expr) -> (String, u8) {
@@ -171,7 +203,7 @@ impl Writer<'_> {
                 let minus = (op == Binary::Subtract) != flipped;
                 let b = if flipped { negated(b.clone()) } else { b.clone() };
                 let right = self.within(&b, if minus { PRODUCT } else { SUM });
-                (format!("{} {} {right}", self.text(a), if minus { '-' } else { '+' }), SUM)
+                (format!("{} {} {right}", self.within(a, SUM), if minus { '-' } else { '+' }), SUM)
             }
             Binary::Multiply => (format!("{}*{}", self.leading(a), self.within(b, PRODUCT)), PRODUCT),
             Binary::Divide => (format!("{}/{}", self.leading(a), self.within(b, POWER)), PRODUCT),

@@ -173,7 +173,18 @@ fn any_formula() -> impl Strategy<Value = Expr> {
             let kind = crate::model::ExprKind::Call(crate::model::Function::Atan, vec![a]);
             Expr { kind, span: Default::default() }
         };
+        let compare = |(a, b): (Expr, Expr)| Expr::logical(crate::model::Logical::Less, a, b);
+        let choose = |(a, b, c): (Expr, Expr, Expr)| {
+            let condition = Expr::logical(
+                crate::model::Logical::Or,
+                Expr::logical(crate::model::Logical::Less, a.clone(), b),
+                c.clone(),
+            );
+            Expr { kind: crate::model::ExprKind::If(Box::new([condition, a, c])), span: Default::default() }
+        };
         prop_oneof![
+            (inner.clone(), inner.clone()).prop_map(compare),
+            (inner.clone(), inner.clone(), inner.clone()).prop_map(choose),
             (op, inner.clone(), inner.clone()).prop_map(|(op, a, b)| Expr::binary(op, a, b)),
             inner.clone().prop_map(negate),
             inner.prop_map(call),

@@ -77,6 +77,12 @@ impl Canon {
                 self.formula(a);
                 self.formula(b);
             }
+            ExprKind::Logical(operator, a, b) => {
+                self.0.text(operator.symbol());
+                self.formula(a);
+                self.formula(b);
+            }
+            ExprKind::If(operands) => self.list("if", operands.as_slice(), Self::formula),
             ExprKind::Call(function, arguments) => self.list(function.name(), arguments, Self::formula),
         }
     }

@@ -71,18 +71,22 @@ R = ["r", "r/2"]
 P0 = [3, 1]"#;
 
 fn inputs() -> Vec<Case> {
-    let start = format!("{DRIVEN}\nx0 = [1, 0]");
+    let start_text = format!("{DRIVEN}\nx0 = [1, 0]");
     let base =
         Text { measurements: &["z1", "z2"], inputs: &["u", "w"], truth: &["d", "v"], objectives: ALL, ..Text::BASIC };
     let measured = format!("{DRIVEN}\nx0 = \"measurement\"");
-    let scaled = start.replace("+ u -", "+ b*u -");
+    let scaled = start_text.replace("+ u -", "+ b*u -");
     let parameters = format!("{}\nb = {{ min = 0.5, max = 2, start = 1 }}", Text::BASIC.parameters);
     let named = r#"["nll", { name = "rmse", states = ["v"] }, { name = "distance", states = ["v", "d"], skip = 2 }]"#;
     let leading = POOLED.without(&[Gap::Components(0.2), Gap::Leading(1)]);
-    let start = Text { model: &start, ..base };
+    let start = Text { model: &start_text, ..base };
     let pooled = Shape::regular(&[50, 2, 20]).without(&[Gap::Components(0.2), Gap::Truth(0.3)]);
+    // What the input chooses is still affine in the states; the root of the branch that is not taken is none.
+    let chosen = start_text.replace("0.9*v + u -", "if(u > 0 and not w < -1, 0.9*v + sqrt(u), 0.8*v - (w >= 0)) -");
+    let chosen = Text { model: &chosen, ..base };
     vec![
         Case::new("inputs", &start, IRREGULAR, 257),
+        Case::new("inputs that choose", &chosen, IRREGULAR, 257),
         Case::new("inputs, named states, pooled", &Text { objectives: named, ..start }, leading, 257),
         Case::new("inputs, x0 measured late", &Text { model: &measured, ..base }, skipped(pooled), 257),
         Case::new("searched times an input", &Text { model: &scaled, parameters: &parameters, ..base }, IRREGULAR, 257),

@@ -137,4 +137,3 @@ fn points(x: &Vector4<f64>, p: &Matrix4<f64>) -> [Vector4<f64>; 9] {
     }
     points
 }
-

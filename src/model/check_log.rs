@@ -18,6 +18,8 @@ impl Problem {
         self.check_intervals(log, &mut warnings)?;
         self.check_start(log)?;
         self.check_inputs(log)?;
+        self.check_formulas_at_start(log)?;
+        self.check_angles(log, &mut warnings)?;
         self.check_objectives(log, &mut warnings)?;
         Ok(warnings)
     }

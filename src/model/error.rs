@@ -95,6 +95,12 @@ pub enum Cause {
     Nonlinear { text: String, key: String, filter: &'static str, others: Vec<String> },
 
     #[error(
+        "`{key}` has {what} at the start ({at}): start elsewhere, or write it so that it has one there (sinc(a) is sin(a)/a, \
+         also at a = 0)"
+    )]
+    NotSmooth { key: String, what: &'static str, at: String },
+
+    #[error(
         "`{key}` is not symmetric: entry [{row}, {column}] differs from [{column}, {row}] (write both alike, or one of them 0)"
     )]
     NotSymmetric { key: String, row: usize, column: usize },

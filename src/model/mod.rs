@@ -1,6 +1,7 @@
 //! Models: formulas, built-in motion models, parameters, and the problem that ties them to a log.
 
 mod check_log;
+mod check_start;
 mod definite;
 mod draft;
 mod dual;

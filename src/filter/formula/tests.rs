@@ -167,7 +167,7 @@ fn the_branch_that_is_not_taken_may_be_no_number() {
                 let (base, delta) = (g.constant(base), g.constant(at - base));
                 moved.insert(*leaf, Moved::by(&mut g, base, delta));
             }
-            let delta = g.difference(&[value], &moved, &mut |_, _| false)[0].delta;
+            let delta = g.difference(&[value], &moved, &mut |_, _| false).roots[0].delta;
             let expected = graph[0] - traced.on_graph(base)[0];
             let found = g.value(delta).unwrap();
             assert!((found - expected).abs() < 1e-12, "{text} from {base:?} to {at:?}: {found}, expected {expected}");

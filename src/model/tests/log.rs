@@ -176,3 +176,37 @@ fn warnings_about_windows_and_unused_parameters() {
         ]
     );
 }
+
+/// Of a model that linearises.
+fn curved(old: &str, new: &str) -> Problem {
+    let text = MODEL.replace("[parameters]", "[filter]\nkind = \"extended\"\n[parameters]").replace(old, new);
+    Problem::parse(&text, "p.toml").unwrap_or_else(|e| panic!("{e}"))
+}
+
+#[test]
+fn f_and_h_need_a_value_and_a_derivative_at_the_start() {
+    let found = refused(&curved("\"v\"]\nh", "\"sin(p*dt)/p\"]\nh"), &regular());
+    let expected = "p.toml:7:19: `model.f[2]` has no finite value at the start (p = 0): start elsewhere, or write it so that \
+                    it has one there (sinc(a) is sin(a)/a, also at a = 0)";
+    assert_eq!(found, expected);
+    let found = refused(&curved("h = [\"p\"", "h = [\"sqrt(p^2 + v^2)\""), &regular());
+    assert!(found.contains("`model.h[1]` has no finite derivative at the start (p = 0, v = 0)"), "{found}");
+    let sound = curved("\"v\"]\nh", "\"sinc(p*dt)*dt\"]\nh");
+    assert!(sound.check_log(&regular()).is_ok(), "the same, written so that it is a number");
+}
+
+#[test]
+fn an_angle_that_goes_round_is_named() {
+    let round = log(vec![trajectory("", &[0.0, 1.0, 2.0], &[[3.1, 0.0], [f64::NAN, 0.0], [-3.1, 0.0]])]);
+    let formula = "h = [\"atan2(p + 1, v)\"";
+    let found = refused(&curved("h = [\"p\"", formula), &round);
+    assert!(found.contains("`z1` jumps by -6.2 at log.csv:4, more than half a turn"), "{found}");
+    assert!(found.contains("add angle = [\"z1\"] to [model]"), "{found}");
+    let named = curved("h = [\"p\"", &format!("angle = [\"z1\"]\n{formula}"));
+    assert_eq!(named.check_log(&round).unwrap(), [""; 0]);
+    // A distance may jump as it likes.
+    assert!(curved("h = [\"p\"", "h = [\"p^2\"").check_log(&round).is_ok());
+    let degrees = log(vec![trajectory("", &[0.0, 1.0], &[[178.0, 0.0], [-178.0, 0.0]])]);
+    let warnings = named.check_log(&degrees).unwrap();
+    assert!(warnings[0].contains("angles are in radians"), "{warnings:?}");
+}

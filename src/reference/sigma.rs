@@ -139,7 +139,7 @@ impl Filter for SigmaPoints {
         self.prior.check()
     }
 
-    /// S = sum W (Z_i - z)(Z_i - z)' + R, K = Cov(x, z) S^-1, x + K nu, P - K S K'.
+    /// S = sum W (Z_i - z)(Z_i - z)' + R, K = Cov(x, z) S^-1, x + K nu, P - K S K'. Points are those of the prior.
     fn update(&mut self, z: &[f64], inputs: &[f64]) -> Result<bool, Cause> {
         self.leave_prior();
         self.update.present = (0..z.len()).filter(|i| !z[*i].is_nan()).collect();
@@ -161,10 +161,12 @@ impl Filter for SigmaPoints {
         let log_det: f64 = 2.0 * factor.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>();
         *nll = 0.5 * (count(present.len()) * std::f64::consts::TAU.ln() + log_det + *nis);
         self.posterior.x += &*k * &*nu;
-        self.posterior.p -= &*k * &*s * k.transpose();
-        symmetrise(&mut self.posterior.p);
         self.h = slope(&cross, &root);
         self.r_and_excess = r + excess;
+        // P - K S K' in Joseph's form, which a P far above R costs no digits.
+        let left = DMatrix::identity(k.nrows(), k.nrows()) - &*k * &self.h;
+        self.posterior.p = &left * &self.prior.p * left.transpose() + &*k * &self.r_and_excess * k.transpose();
+        symmetrise(&mut self.posterior.p);
         self.find_root();
         self.posterior.check()?;
         Ok(true)

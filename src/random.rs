@@ -44,6 +44,8 @@ pub enum Purpose {
     Distinction = 10,
     /// Fresh starts of the local searches that end a study.
     Polish = 11,
+    /// Changes of measurements that say how far a filter carries rounding.
+    Amplification = 12,
 }
 
 /// High and low word of the 64-bit product of two words.

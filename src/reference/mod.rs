@@ -5,6 +5,7 @@
 //! is carried by its square root, through Householder reflections, so that it is right where it certifies. `docs/semantics.md` is its specification.
 
 mod adapt;
+mod amplification;
 mod angle;
 mod estimate;
 mod evaluate;
@@ -24,6 +25,7 @@ mod steady;
 mod step;
 mod transition;
 
+pub use amplification::amplification;
 pub use estimate::{Estimate, Update};
 pub use evaluate::{Scope, evaluate, gradient};
 pub use failure::{Cause, Failure};

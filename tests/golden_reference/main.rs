@@ -4,6 +4,7 @@
 
 mod adaptive;
 mod adaptive_study;
+mod amplification;
 mod calibration;
 mod diffuse;
 mod examples;

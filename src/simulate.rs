@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::data::{Log, Table, Times, Trajectory};
 use crate::model::{First, Problem, SimulateSpec};
 use crate::random::{Purpose, Stream};
-use crate::reference::{Affine, Formulas};
+use crate::reference::{Affine, Formulas, wrapped};
 use nalgebra::{DMatrix, DVector};
 use rand_distr::{Distribution, StandardNormal};
 
@@ -29,7 +29,9 @@ pub enum SimulateError {
     NotCovariance { what: &'static str },
     #[error("a trajectory of {rows} rows does not fit in memory (use fewer steps)")]
     TooLong { rows: usize },
-    #[error("the simulated truth overflows at row {row} (use fewer steps or a stable model)")]
+    #[error(
+        "the simulated truth or its measurement is no finite number at row {row} (use fewer steps, a stable model, or an x0 where f and h are defined)"
+    )]
     NotFinite { row: usize },
 }
 
@@ -41,7 +43,8 @@ pub enum SimulateError {
 /// Every draw has a stream of its own, keyed by (seed, purpose, trajectory, row): n normals for the initial state
 /// (row 0), n for the process noise of the step that leads to the row, m for its measurement noise, m uniforms for its
 /// gaps. So a longer log begins with the shorter one, and another share of gaps leaves the numbers as they are. Noise
-/// is L w with L the lower Cholesky factor of the covariance, so component i uses draws 0 to i.
+/// is L w with L the lower Cholesky factor of the covariance, so component i uses draws 0 to i. Measured angles are in
+/// [-pi, pi); those of the truth go on.
 ///
 /// # Errors
 /// Without `[simulate]`, with inputs, with an unknown parameter, when a covariance is none, or on overflow.
@@ -77,15 +80,25 @@ pub(crate) fn realisations(problem: &Problem, seed: Option<u64>, range: Range<us
 /// The true system, with its constants worked out.
 struct System<'a> {
     spec: &'a SimulateSpec,
-    f: Affine,
-    h: Affine,
+    formulas: Formulas,
+    step: Step,
+    /// h; `None` where it may not be affine.
+    h: Option<Affine>,
     x0: DVector<f64>,
-    /// Lower factors of Q and R, and of P0 where x0 is drawn.
-    q: DMatrix<f64>,
+    /// Lower factors of R, and of P0 where x0 is drawn.
     r: DMatrix<f64>,
     p0: Option<DMatrix<f64>>,
     /// The step before row 0, for `first = "predict"`.
-    before: Option<(Affine, DMatrix<f64>)>,
+    before: Option<Step>,
+}
+
+/// One step of the true system.
+struct Step {
+    dt: f64,
+    /// `None` where f may not be affine.
+    f: Option<Affine>,
+    /// Lower factor of Q.
+    q: DMatrix<f64>,
 }
 
 /// Streams of one trajectory.
@@ -110,21 +123,25 @@ impl<'a> System<'a> {
         }
         let mut formulas = Formulas::new(&model, true_parameters(problem, spec)?);
         let (n, m) = (formulas.n, formulas.m);
-        let mut h = Affine::zeros(m, n);
-        formulas.measurement(&[], &mut h);
+        let affine = problem.filter.is_linear();
+        let h = affine.then(|| {
+            let mut h = Affine::zeros(m, n);
+            formulas.measurement(&[], &mut h);
+            h
+        });
         let mut r = DMatrix::zeros(m, m);
         formulas.measurement_noise(&mut r);
-        let (f, q) = step(&mut formulas, spec.dt)?;
+        let step = Step::new(&mut formulas, spec.dt, affine)?;
         let (x0, p0) = initial(&mut formulas, spec)?;
         let before = match model.first {
             First::Update => None,
-            First::Predict { dt } => Some(step(&mut formulas, dt.unwrap_or(spec.dt))?),
+            First::Predict { dt } => Some(Step::new(&mut formulas, dt.unwrap_or(spec.dt), affine)?),
         };
-        Ok(Self { spec, f, h, x0, q, r: factor("R", &r)?, p0, before })
+        Ok(Self { spec, formulas, step, h, x0, r: factor("R", &r)?, p0, before })
     }
 
     fn trajectory(&mut self, id: String, draws: Draws, line: &mut u64) -> Result<Trajectory, SimulateError> {
-        let (n, m) = (self.x0.len(), self.h.offset.len());
+        let (n, m) = (self.formulas.n, self.formulas.m);
         let mut trajectory = Trajectory {
             id,
             time: Vec::new(),
@@ -140,14 +157,14 @@ impl<'a> System<'a> {
             x += p0 * draws.normals(Purpose::InitialState, 0, n);
         }
         for row in 0..=self.spec.steps {
-            let into = if row == 0 { self.before.as_ref().map(|(f, q)| (f, q)) } else { Some((&self.f, &self.q)) };
-            if let Some((f, q)) = into {
-                x = &f.matrix * x + &f.offset + q * draws.normals(Purpose::ProcessNoise, row, n);
+            let into = if row == 0 { self.before.as_ref() } else { Some(&self.step) };
+            if let Some(step) = into {
+                x = step.moved(&mut self.formulas, x) + &step.q * draws.normals(Purpose::ProcessNoise, row, n);
             }
-            if !x.iter().all(|v| v.is_finite()) {
+            let z = self.measured(&x, draws.normals(Purpose::MeasurementNoise, row, m));
+            if !x.iter().chain(z.iter()).all(|v| v.is_finite()) {
                 return Err(SimulateError::NotFinite { row });
             }
-            let z = &self.h.matrix * &x + &self.h.offset + &self.r * draws.normals(Purpose::MeasurementNoise, row, m);
             trajectory.z.push(&self.with_gaps(z, draws, row));
             trajectory.u.push(&[]);
             trajectory.truth.push(x.as_slice());
@@ -156,6 +173,19 @@ impl<'a> System<'a> {
             *line += 1;
         }
         Ok(trajectory)
+    }
+
+    /// h(x) and its noise, angles in [-pi, pi).
+    fn measured(&mut self, x: &DVector<f64>, normals: DVector<f64>) -> DVector<f64> {
+        let exact = match &self.h {
+            Some(h) => &h.matrix * x + &h.offset,
+            None => self.formulas.measured(x.as_slice(), &[]),
+        };
+        let mut z = exact + &self.r * normals;
+        for angle in &self.formulas.angles.measurements {
+            z[*angle] = wrapped(z[*angle]);
+        }
+        z
     }
 
     fn with_gaps(&self, z: DVector<f64>, draws: Draws, row: usize) -> Vec<f64> {
@@ -214,12 +244,26 @@ fn initial(
     Ok((x0, Some(factor("P0", &p0)?)))
 }
 
-fn step(formulas: &mut Formulas, dt: f64) -> Result<(Affine, DMatrix<f64>), SimulateError> {
-    let n = formulas.n;
-    let (mut f, mut q) = (Affine::zeros(n, n), DMatrix::zeros(n, n));
-    formulas.transition(dt, &[], &mut f);
-    formulas.process_noise(dt, &mut q);
-    Ok((f, factor("Q", &q)?))
+impl Step {
+    fn new(formulas: &mut Formulas, dt: f64, affine: bool) -> Result<Self, SimulateError> {
+        let n = formulas.n;
+        let f = affine.then(|| {
+            let mut f = Affine::zeros(n, n);
+            formulas.transition(dt, &[], &mut f);
+            f
+        });
+        let mut q = DMatrix::zeros(n, n);
+        formulas.process_noise(dt, &mut q);
+        Ok(Self { dt, f, q: factor("Q", &q)? })
+    }
+
+    /// f(x).
+    fn moved(&self, formulas: &mut Formulas, x: DVector<f64>) -> DVector<f64> {
+        match &self.f {
+            Some(f) => &f.matrix * x + &f.offset,
+            None => formulas.moved(x.as_slice(), self.dt, &[]),
+        }
+    }
 }
 
 fn check_size(what: &'static str, found: usize, expected: usize) -> Result<(), SimulateError> {

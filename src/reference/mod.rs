@@ -26,6 +26,7 @@ mod step;
 mod transition;
 
 pub use amplification::amplification;
+pub(crate) use angle::wrapped;
 pub use estimate::{Estimate, Update};
 pub use evaluate::{Scope, evaluate, gradient};
 pub use failure::{Cause, Failure};

@@ -1,11 +1,12 @@
 //! Simulated logs have the moments of their model, and the filter of the true model finds them consistent.
 
 use kfgpu::data::Log;
-use kfgpu::model::{Problem, SimulateSpec};
-use kfgpu::reference::run;
+use kfgpu::model::{Expr, Problem, SimulateSpec};
+use kfgpu::reference::{Scope, evaluate, run};
 use kfgpu::report::{Consistency, Verdict};
 use kfgpu::simulate::{SimulateError, simulate};
 use nalgebra::{DMatrix, DVector};
+use std::f64::consts::{PI, TAU};
 
 use super::support::{Linear, matrix, vector};
 
@@ -154,4 +155,44 @@ fn the_true_filter_is_consistent_and_a_wrong_one_is_not() {
     assert_eq!(verdict(model()), Verdict::Consistent, "the filter that drew the log");
     assert_eq!(verdict(Linear { r: model().r * 0.5, ..model() }), Verdict::Overconfident, "R too small");
     assert_eq!(verdict(Linear { r: model().r * 2.0, ..model() }), Verdict::Underconfident, "R too large");
+}
+
+/// The turning target of `tests/data/nonlinear`, around pi: what is left of each step and of each measurement has the moments
+/// of Q and R, and bearings are in [-pi, pi).
+#[test]
+fn a_nonlinear_model_is_drawn_by_its_formulas() {
+    let simulated = "kind = \"cubature\"\n[simulate]\nsteps = 30\ndt = 1\ntrajectories = 150\nseed = 4\nx0 = [-2000, 0, 30, 5, 0.05]";
+    let (problem, _) = super::nonlinear::problem("ct", simulated);
+    let log = draw(&problem);
+    let parameters = problem.parameters.resolve(&problem.parameters.baseline());
+    let values = |formulas: &[Expr], x: &[f64]| {
+        let scope = Scope { states: x, parameters: &parameters, inputs: &[], dt: 1.0 };
+        DVector::from_iterator(formulas.len(), formulas.iter().map(|f| evaluate(f, &scope)))
+    };
+    let square = |formulas: &[Expr], n: usize| DMatrix::from_column_slice(n, n, values(formulas, &[]).as_slice());
+    let (mut steps, mut noises, mut seam) = (Vec::new(), Vec::new(), false);
+    for t in &log.trajectories {
+        for k in 0..t.len() {
+            let x = t.truth.row(k);
+            let mut noise = DVector::from_column_slice(t.z.row(k)) - values(&problem.model.h, x);
+            assert!((-PI..PI).contains(&t.z.row(k)[1]), "a bearing of {}", t.z.row(k)[1]);
+            seam |= noise[1].abs() > PI;
+            noise[1] -= TAU * (noise[1] / TAU).round();
+            noises.push(noise);
+            if k > 0 {
+                steps.push(DVector::from_column_slice(x) - values(&problem.model.f, t.truth.row(k - 1)));
+            }
+        }
+    }
+    assert!(seam, "some bearing lies on the other side of pi");
+    check_moments("process noise", &steps, &DVector::zeros(5), &square(&problem.model.q, 5));
+    check_moments("measurement noise", &noises, &DVector::zeros(2), &square(&problem.model.r, 2));
+}
+
+/// Where f or h has no value there is no log, and a sentence says where.
+#[test]
+fn a_nonlinear_model_that_leaves_its_domain_is_told() {
+    let simulated = "kind = \"extended\"\n[simulate]\nsteps = 3\ndt = 1\nx0 = [1e200, 0, 0, 0, 0]";
+    let (problem, _) = super::nonlinear::problem("ct", simulated);
+    assert_eq!(simulate(&problem, None), Err(SimulateError::NotFinite { row: 0 }));
 }

@@ -32,6 +32,8 @@ pub enum Kind {
     Mismatch,
     /// |nis_mean - 1|.
     Nis,
+    /// How far the NIS is from its chi-square distribution in the whole: Neyman's smooth statistic of four components.
+    NisDistribution,
     /// |nees_mean - 1|.
     Nees,
     /// Root of the mean over rows with truth of the squared error of the named states, posterior.
@@ -46,11 +48,12 @@ pub enum Kind {
 
 impl Kind {
     /// Every objective with the name it has in problem files, JSON and CSV.
-    pub const ALL: [(&'static str, Self); 7] = [
+    pub const ALL: [(&'static str, Self); 8] = [
         ("nll", Self::Nll),
         ("mse_innovation", Self::MseInnovation),
         ("mismatch", Self::Mismatch),
         ("nis", Self::Nis),
+        ("nis_distribution", Self::NisDistribution),
         ("nees", Self::Nees),
         ("rmse", Self::Rmse),
         ("distance", Self::Distance),

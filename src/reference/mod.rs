@@ -24,6 +24,7 @@ mod square_root;
 mod steady;
 mod step;
 mod transition;
+mod uniformity;
 
 pub use amplification::amplification;
 pub(crate) use angle::wrapped;
@@ -37,3 +38,4 @@ pub use score::score;
 pub use smoother::{Smoothed, smooth};
 pub use steady::{Steady, steady_gain};
 pub use step::{Run, Step};
+pub(crate) use uniformity::smooth_components;

@@ -6,6 +6,7 @@ use nalgebra::DVector;
 
 use super::estimate::{Update, count};
 use super::step::{Run, Truth};
+use super::uniformity::Uniformity;
 use crate::data::{Log, Trajectory};
 use crate::model::Problem;
 use crate::objective::{Kind, Objective};
@@ -65,6 +66,7 @@ struct Sum<'a> {
     count: usize,
     /// `mismatch`: (trace of nu nu', trace of S) of the latest measured rows of the current trajectory.
     window: VecDeque<(f64, f64)>,
+    uniformity: Uniformity,
 }
 
 impl<'a> Scorer<'a> {
@@ -76,6 +78,7 @@ impl<'a> Scorer<'a> {
             total: 0.0,
             count: 0,
             window: VecDeque::new(),
+            uniformity: Uniformity::default(),
         };
         Self { truth, sums: objectives.iter().map(sum).collect(), trajectory: 0 }
     }
@@ -127,6 +130,7 @@ impl Sum<'_> {
             Kind::Nll => self.add(Some(update.nll), components),
             Kind::MseInnovation => self.add(Some(update.nu.norm_squared()), components),
             Kind::Nis | Kind::NisMean => self.add(Some(update.nis), components),
+            Kind::NisDistribution => self.uniformity.add(update),
             _ => {
                 if self.window.len() == self.objective.window {
                     self.window.pop_front();
@@ -166,6 +170,7 @@ impl Sum<'_> {
             }
             Kind::MseInnovation | Kind::Mismatch | Kind::NisMean => mean,
             Kind::Nis => (mean - 1.0).abs(),
+            Kind::NisDistribution => self.uniformity.cost(),
             Kind::Nees => (mean / states - 1.0).abs(),
             Kind::NeesMean => mean / states,
             Kind::Rmse => mean.sqrt(),

@@ -1,5 +1,6 @@
 //! How far apart two candidates are on held-out rows, and whether these rows are enough to tell.
 
+mod parts;
 mod per_row;
 mod standard_error;
 

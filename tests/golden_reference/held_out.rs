@@ -58,6 +58,14 @@ fn by_definition(objective: &Objective, trajectories: &[Vec<Row>]) -> f64 {
         Kind::Nll => updates.iter().map(|(nu, s)| 0.5 * ((TAU * s).ln() + nu * nu / s)).sum(),
         Kind::MseInnovation => mean(updates.iter().map(|(nu, _)| nu * nu).collect()),
         Kind::Nis => (mean(updates.iter().map(|(nu, s)| nu * nu / s).collect()) - 1.0).abs(),
+        Kind::NisDistribution => {
+            let u: Vec<f64> = updates.iter().map(|(nu, s)| libm::erf(nu.abs() / (2.0 * s).sqrt())).collect();
+            let square = |phi: fn(f64) -> f64| mean(u.iter().map(|u| phi(2.0 * u - 1.0)).collect()).powi(2);
+            3.0 * square(|v| v)
+                + 5.0 * square(|v| (3.0 * v * v - 1.0) / 2.0)
+                + 7.0 * square(|v| (5.0 * v.powi(3) - 3.0 * v) / 2.0)
+                + 9.0 * square(|v| (35.0 * v.powi(4) - 30.0 * v * v + 3.0) / 8.0)
+        }
         Kind::Nees => (mean(errors.iter().map(|(e, p)| e * e / p).collect()) - 1.0).abs(),
         Kind::Rmse => mean(errors.iter().map(|(e, _)| e * e).collect()).sqrt(),
         Kind::Distance => errors.iter().map(|(e, _)| e.abs()).sum(),

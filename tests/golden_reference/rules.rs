@@ -44,6 +44,27 @@ fn nis_is_the_distance_of_the_mean_from_one() {
     close(cost(&problem, &log, of(Kind::Nis)), 1.25, 1e-14);
 }
 
+/// With one component F(x) = erf(sqrt(x / 2)); with two F(x) = 1 - exp(-x / 2).
+#[test]
+fn nis_distribution_is_neymans_smooth_statistic() {
+    let (problem, log) = (level().problem(), log(vec![scalars(&[4.0, NAN, 2.0])]));
+    // NIS 4 and, after a row without a measurement, 1 / 2.25.
+    let [first, second] = [0.954_499_736_103_641_6, 0.495_014_924_906_153_9];
+    let legendre = |u: f64| {
+        let v: f64 = 2.0 * u - 1.0;
+        [
+            3f64.sqrt() * v,
+            5f64.sqrt() / 2.0 * (3.0 * v * v - 1.0),
+            7f64.sqrt() / 2.0 * (5.0 * v.powi(3) - 3.0 * v),
+            3.0 / 8.0 * (35.0 * v.powi(4) - 30.0 * v * v + 3.0),
+        ]
+    };
+    let expected: f64 = legendre(first).iter().zip(legendre(second)).map(|(a, b)| ((a + b) / 2.0).powi(2)).sum();
+    close(cost(&problem, &log, of(Kind::NisDistribution)), expected, 1e-13);
+    let skipping = Objective { skip: 1, ..of(Kind::NisDistribution) };
+    close(cost(&problem, &log, skipping), legendre(second).iter().map(|phi| phi * phi).sum(), 1e-13);
+}
+
 #[test]
 fn skip_drops_first_rows_from_any_objective_but_filters_them() {
     let log = log(vec![with_truth(scalars(&[4.0, 2.0]), &[&[0.0], &[2.0]])]);

@@ -1,5 +1,6 @@
 //! The recorded findings: worst error of every case and precision, in units of what is promised.
 
+use crate::ONLY;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::PathBuf;
@@ -42,7 +43,10 @@ pub(crate) fn compare(precision: &str, measured: &[(String, f64)]) -> Vec<String
     let _guard = FILE.lock().unwrap();
     let mut findings = read();
     if std::env::var_os(RECORD).is_some() {
-        findings.retain(|(_, p), _| p != precision);
+        // Those of cases that were left out stay.
+        let whole = std::env::var_os(ONLY).is_none();
+        let renewed = |case: &String| whole || measured.iter().any(|(name, _)| name == case);
+        findings.retain(|(case, p), _| p != precision || !renewed(case));
         findings.extend(measured.iter().map(|(case, error)| ((case.clone(), precision.to_owned()), *error)));
         write(&findings);
         return Vec::new();

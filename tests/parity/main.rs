@@ -21,6 +21,9 @@ use promise::{double, misplaced, single, unequal_status, worst};
 use rayon::prelude::*;
 use std::sync::OnceLock;
 
+/// Set, only cases whose name begins so are run.
+const ONLY: &str = "KFGPU_PARITY_ONLY";
+
 /// Every case with the reference's costs.
 fn cases() -> &'static [(Case, Costs)] {
     static CASES: OnceLock<Vec<(Case, Costs)>> = OnceLock::new();
@@ -29,7 +32,10 @@ fn cases() -> &'static [(Case, Costs)] {
             let costs = case.reference();
             (case, costs)
         };
-        cases::all().into_par_iter().map(with_costs).collect()
+        let only = std::env::var(ONLY).unwrap_or_default();
+        let mut cases = cases::all();
+        cases.retain(|case| case.name.starts_with(&only));
+        cases.into_par_iter().map(with_costs).collect()
     })
 }
 

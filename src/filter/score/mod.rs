@@ -1,6 +1,8 @@
 //! What each objective sums up in a step of the traced filter, and its cost from the sums. One file a family; the semantics of
 //! each stand in `docs/semantics.md`.
 
+mod chi_square;
+mod distribution;
 mod innovation;
 mod likelihood;
 mod mismatch;
@@ -21,6 +23,7 @@ impl Objective {
             Kind::MseInnovation => innovation::trace_mse(self, scoring),
             Kind::Mismatch => mismatch::trace(self, scoring),
             Kind::Nis | Kind::NisMean => innovation::trace_nis(self, scoring),
+            Kind::NisDistribution => distribution::trace(self, scoring),
             Kind::Nees | Kind::NeesMean => truth::trace_nees(self, scoring),
             Kind::Rmse => truth::trace_rmse(self, scoring),
             Kind::Distance => truth::trace_distance(self, scoring),
@@ -43,6 +46,7 @@ impl Objective {
             Kind::Mismatch => mismatch::finish(pools),
             Kind::Nis => innovation::finish_nis(pools),
             Kind::NisMean => innovation::finish_nis_mean(pools),
+            Kind::NisDistribution => distribution::finish(pools),
             Kind::Nees => truth::finish_nees(pools),
             Kind::NeesMean => truth::finish_nees_mean(pools),
             Kind::Rmse => truth::finish_rmse(pools),

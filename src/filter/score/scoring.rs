@@ -5,7 +5,7 @@ use crate::filter::columns::Key;
 use crate::filter::evidence::{Evidence, Factor};
 use crate::filter::rows::{Place, Rows};
 use crate::filter::tracer::Tracer;
-use crate::tape::{Id, Unary};
+use crate::tape::{Graph, Id, Unary};
 use std::f64::consts::LN_2;
 
 /// Offers one row of the traced filter to the objectives and collects their sums.
@@ -25,6 +25,13 @@ pub(crate) struct Weight {
     id: Id,
     /// Over all rows of the log.
     total: f64,
+}
+
+impl Weight {
+    /// Whether any row of the log counts.
+    pub(crate) fn counts_any(self) -> bool {
+        self.total > 0.0
+    }
 }
 
 /// A node in units of 2^`exponent` of the problem's own.
@@ -138,6 +145,16 @@ impl<'a, 'b> Scoring<'a, 'b> {
         let key = Key::Weight(scorer, part);
         let id = self.t.column(key, weight);
         Weight { id, total: self.t.columns.total(key, self.t.rows.len()) }
+    }
+
+    /// Functions of a number that has no unit.
+    pub(crate) fn map<const N: usize>(&mut self, a: Scaled, f: impl FnOnce(&mut Graph, Id) -> [Id; N]) -> [Scaled; N] {
+        f(&mut self.t.g, a.id).map(|id| Scaled { id, ..a })
+    }
+
+    /// `a` in the rows that count, elsewhere `b`, both in one unit.
+    pub(crate) fn choose(&mut self, weight: Weight, a: Scaled, b: Scaled) -> Scaled {
+        Scaled { id: self.t.g.select(weight.id, a.id, b.id), ..a }
     }
 
     /// Sums of a number per row, one a trajectory.

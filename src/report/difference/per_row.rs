@@ -1,5 +1,6 @@
 //! What each held-out row adds to an objective.
 
+use super::parts::Parts;
 use crate::data::HeldOut;
 use crate::model::Problem;
 use crate::objective::{Kind, Objective};
@@ -28,25 +29,29 @@ pub(super) fn per_row(problem: &Problem, held_out: &HeldOut, candidate: &[f64]) 
         problem.model.states.iter().map(|state| log.truth.iter().position(|name| name == state)).collect();
     let objectives = &problem.tune.objectives;
     let mut all = vec![PerRow::default(); objectives.len()];
+    let mut parts: Vec<Parts> = objectives.iter().map(|_| Parts::default()).collect();
     let run = reference::visit(problem, log, candidate, &mut |trajectory, step| {
         let known = log.trajectories[trajectory].truth.row(step.row);
         let error = |state: usize| truth[state].map(|column| step.posterior.x[state] - known[column]);
-        for (objective, rows) in objectives.iter().zip(&mut all) {
+        for ((objective, rows), parts) in objectives.iter().zip(&mut all).zip(&mut parts) {
             if step.row >= held_out.from[trajectory] && step.row >= objective.skip {
+                parts.add(objective, trajectory, step);
                 rows.rows.extend(share(objective, step, &error).map(|(value, weight)| (trajectory, value, weight)));
             }
         }
     });
     run.ok()?;
-    for (objective, rows) in objectives.iter().zip(&mut all) {
-        if objective.kind == Kind::Mismatch {
-            rows.keep_window(objective);
+    for ((objective, rows), parts) in objectives.iter().zip(&mut all).zip(&parts) {
+        match objective.kind {
+            Kind::Mismatch => rows.keep_window(objective),
+            Kind::NisDistribution => rows.rows = parts.linearised(objective),
+            _ => {}
         }
     }
     Some(all)
 }
 
-/// Value and weight of a row; `None` where it does not score.
+/// Value and weight of a row; `None` where it does not score, or is made of several [`Parts`].
 fn share(objective: &Objective, step: &Step, error: &impl Fn(usize) -> Option<f64>) -> Option<(f64, f64)> {
     let states = step.posterior.x.len();
     let components = |update: &reference::Update| update.present.len() as f64;
@@ -55,6 +60,7 @@ fn share(objective: &Objective, step: &Step, error: &impl Fn(usize) -> Option<f6
         Kind::MseInnovation => step.update.as_ref().map(|update| (update.nu.norm_squared(), components(update))),
         Kind::Mismatch => step.update.as_ref().map(|update| (update.nu.norm_squared(), update.s.trace())),
         Kind::Nis | Kind::NisMean => step.update.as_ref().map(|update| (update.nis, components(update))),
+        Kind::NisDistribution => None,
         Kind::Nees | Kind::NeesMean => step.nees.map(|nees| (nees, states as f64)),
         Kind::Rmse | Kind::Distance => {
             let all: Vec<usize> = (0..states).filter(|state| error(*state).is_some()).collect();
@@ -93,7 +99,7 @@ impl PerRow {
                 let each: Vec<f64> = self.mismatches().collect();
                 each.iter().sum::<f64>() / each.len() as f64
             }
-            Kind::MseInnovation | Kind::NisMean | Kind::NeesMean => mean,
+            Kind::MseInnovation | Kind::NisMean | Kind::NeesMean | Kind::NisDistribution => mean,
         }
     }
 
@@ -119,7 +125,7 @@ impl PerRow {
             Kind::Nis | Kind::Nees => (mean - 1.0).signum(),
             Kind::Rmse => 0.5 / mean.sqrt(),
             Kind::Mismatch => return self.influence_on_mismatch(),
-            Kind::MseInnovation | Kind::NisMean | Kind::NeesMean => 1.0,
+            Kind::MseInnovation | Kind::NisMean | Kind::NeesMean | Kind::NisDistribution => 1.0,
         };
         let of = |row: &(usize, f64, f64)| slope * (row.1 - mean * row.2) / weight;
         Influence { rows: self.trajectories().map(|rows| rows.iter().map(of).collect()).collect(), trajectories: None }

@@ -8,6 +8,7 @@ mod failing;
 mod formulas;
 mod gaps;
 mod large;
+mod objectives;
 
 use crate::case::Case;
 use kfgpu::data::Log;
@@ -39,5 +40,6 @@ pub(crate) fn all() -> Vec<Case> {
     cases.extend(large::cases());
     cases.extend(diffuse::cases());
     cases.extend(gaps::cases());
+    cases.extend(objectives::cases());
     cases
 }

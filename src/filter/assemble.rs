@@ -3,7 +3,7 @@
 use super::carried::{Carried, Role, narrow};
 use super::carry::Partition;
 use super::error::TraceError;
-use super::family::Family;
+use super::memory::Remembering;
 use super::positivity::Positivity;
 use super::program::{Program, Span, Step};
 use super::score::Traced;
@@ -20,7 +20,7 @@ use std::ops::Range;
 /// If a tape has more values than operations can name, or a trajectory cannot start.
 pub(super) fn assemble(
     t: &mut Tracer<'_>,
-    family: &dyn Family,
+    filter: &Remembering,
     request: &Request<'_>,
     steps: &[Traces],
     partition: &Partition,
@@ -29,7 +29,7 @@ pub(super) fn assemble(
     let representatives = partition.representatives();
     let slots = Slots::new(steps);
     let positive: Vec<Vec<Id>> = steps.iter().map(|step| unwatched(&mut t.g, step)).collect();
-    let names = family.names(&t.problem.model);
+    let names = filter.names(&t.problem.model);
     let mut carried: Vec<Carried> =
         representatives.iter().map(|e| Carried { name: names[*e].clone(), role: Role::State }).collect();
     carried.extend(slots.carried(steps));

@@ -5,8 +5,8 @@ use super::carry::Partition;
 use super::columns::Columns;
 use super::error::TraceError;
 use super::families;
-use super::family::Family;
 use super::fold::fold;
+use super::memory::{Memory, Remembering};
 use super::positivity::Positivity;
 use super::program::Program;
 use super::rows::Rows;
@@ -25,15 +25,16 @@ pub(super) fn trace_rows(
     columns: &mut Columns,
     request: &Request<'_>,
 ) -> Result<Program, TraceError> {
-    let family = families::of(&problem.filter, request.carrying);
+    let memory = Memory::of(request.objectives.iter().flat_map(|objective| objective.memory(&problem.model)));
+    let filter = Remembering { family: families::of(&problem.filter, request.carrying), memory };
     let (mut partition, mut parted) = (None, false);
     loop {
         let mut t = Tracer::new(problem, rows, columns, request.units, request.nominal);
         t.columns.of_all();
-        let initial = family.start(&mut t)?;
-        let opaque = family.opaque(&problem.model);
+        let initial = filter.start(&mut t)?;
+        let opaque = filter.opaque(&problem.model);
         let current = partition.unwrap_or_else(|| Partition::by_initial(&t.g, &initial, opaque));
-        let mut steps = trace_steps(&mut t, family.as_ref(), &current, request)?;
+        let mut steps = trace_steps(&mut t, &filter, &current, request)?;
         // Which columns there are is known after a step with masks; what they decide is the same in every round.
         if !parted {
             parted = true;
@@ -47,7 +48,7 @@ pub(super) fn trace_rows(
             continue;
         }
         steps.iter_mut().enumerate().for_each(|(kind, step)| fold(&mut t, kind, step));
-        let mut program = assemble(&mut t, family.as_ref(), request, &steps, &current, &initial)?;
+        let mut program = assemble(&mut t, &filter, request, &steps, &current, &initial)?;
         if request.watch.is_none() {
             program.positivity = Positivity::new(problem, rows)?;
         }
@@ -58,7 +59,7 @@ pub(super) fn trace_rows(
 /// A step for each kind of rows.
 fn trace_steps(
     t: &mut Tracer<'_>,
-    family: &dyn Family,
+    filter: &Remembering,
     partition: &Partition,
     request: &Request<'_>,
 ) -> Result<Vec<Traces>, TraceError> {
@@ -66,7 +67,7 @@ fn trace_steps(
     let mut steps = Vec::with_capacity(t.columns.kinds.len());
     for kind in 0..t.columns.kinds.len() {
         t.columns.of_kind(kind);
-        steps.push(Traces::new(t, family, &prior, request)?);
+        steps.push(Traces::new(t, filter, &prior, request)?);
     }
     t.columns.of_all();
     Ok(steps)

@@ -3,8 +3,8 @@
 use super::carried::Role;
 use super::error::TraceError;
 use super::evidence::Evidence;
-use super::family::Family;
 use super::form::Carrying;
+use super::memory::{Recall, Remembering};
 use super::nominal::Nominal;
 use super::row::Row;
 use super::score::{Scoring, Traced};
@@ -42,28 +42,29 @@ pub(super) struct Traces {
 }
 
 impl Traces {
-    /// Traces update, objectives and prediction from the entries of a prior.
+    /// Traces update, objectives and prediction from what is carried: the entries of a prior, and the memory.
     ///
     /// # Errors
     /// If the model does not fit the filter.
     pub(super) fn new(
         t: &mut Tracer<'_>,
-        family: &dyn Family,
-        prior: &[Id],
+        filter: &Remembering,
+        carried: &[Id],
         request: &Request<'_>,
     ) -> Result<Self, TraceError> {
+        let (prior, remembered) = carried.split_at(carried.len() - filter.memory.len());
         let row = Row::new(t)?;
-        let (evidence, posterior) = family.update(t, &row, prior)?;
-        let mut scoring = Scoring::new(t, &evidence);
+        let (evidence, posterior) = filter.family.update(t, &row, prior)?;
+        let mut scoring = Scoring::new(t, &evidence, Recall::new(&filter.memory, remembered));
         let traced =
             request.objectives.iter().enumerate().map(|(i, objective)| objective.trace(scoring.asked_by(i))).collect();
-        let (mut sums, mut positive) = scoring.finish();
+        let (mut sums, mut positive, memory) = scoring.finish();
         if let Some(watch) = request.watch {
             sums.extend(watch.sums(t, prior, &evidence, &posterior));
         }
-        let predicted = family.predict(t, &row, &posterior)?;
+        let predicted = filter.family.predict(t, &row, &posterior)?;
         positive.extend(predicted.positive);
-        Ok(Self { next: predicted.prior, sums, positive, traced })
+        Ok(Self { next: [predicted.prior, memory].concat(), sums, positive, traced })
     }
 
     /// All that the step is made of.

@@ -19,6 +19,8 @@ pub struct Objective {
     pub window: usize,
     /// `mismatch`: use Ct of the last measured row only (the paper's form).
     pub ct_last: bool,
+    /// `whiteness`: lags, counted in present values of a component.
+    pub lags: usize,
 }
 
 /// The kinds of objective.
@@ -34,6 +36,8 @@ pub enum Kind {
     Nis,
     /// How far the NIS is from its chi-square distribution in the whole: Neyman's smooth statistic of four components.
     NisDistribution,
+    /// Sum over components and lags of the squared autocorrelations of the innovations.
+    Whiteness,
     /// |nees_mean - 1|.
     Nees,
     /// Root of the mean over rows with truth of the squared error of the named states, posterior.
@@ -48,12 +52,13 @@ pub enum Kind {
 
 impl Kind {
     /// Every objective with the name it has in problem files, JSON and CSV.
-    pub const ALL: [(&'static str, Self); 8] = [
+    pub const ALL: [(&'static str, Self); 9] = [
         ("nll", Self::Nll),
         ("mse_innovation", Self::MseInnovation),
         ("mismatch", Self::Mismatch),
         ("nis", Self::Nis),
         ("nis_distribution", Self::NisDistribution),
+        ("whiteness", Self::Whiteness),
         ("nees", Self::Nees),
         ("rmse", Self::Rmse),
         ("distance", Self::Distance),
@@ -76,10 +81,10 @@ impl Kind {
 }
 
 impl Objective {
-    /// The objective with default options (no rows skipped, window 100, no states).
+    /// The objective with default options (no rows skipped, window 100, no states, 10 lags).
     #[must_use]
     pub const fn new(kind: Kind) -> Self {
-        Self { kind, states: Vec::new(), skip: 0, window: 100, ct_last: false }
+        Self { kind, states: Vec::new(), skip: 0, window: 100, ct_last: false, lags: 10 }
     }
 
     /// Its name in reports.

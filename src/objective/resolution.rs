@@ -11,7 +11,7 @@ impl Kind {
     pub fn scale(self, value: f64, rows: usize) -> f64 {
         match self {
             Self::Nll => value.abs().max(rows as f64),
-            Self::Mismatch | Self::Nis | Self::Nees | Self::NisDistribution => 1.0 + value.abs(),
+            Self::Mismatch | Self::Nis | Self::Nees | Self::NisDistribution | Self::Whiteness => 1.0 + value.abs(),
             Self::MseInnovation | Self::Rmse | Self::Distance | Self::NisMean | Self::NeesMean => value.abs(),
         }
     }
@@ -31,9 +31,10 @@ impl Kind {
             (Precision::F64, _) => 1e-10 * value.abs().max(1.0),
             (Precision::F32, Self::Mismatch) => 1e-3,
             (Precision::F32, Self::Nis | Self::Nees | Self::NisMean | Self::NeesMean) => 1e-4 * (1.0 + value.abs()),
-            (Precision::F32, Self::NisDistribution | Self::Nll | Self::MseInnovation | Self::Rmse | Self::Distance) => {
-                1e-5 * self.scale(value, rows)
-            }
+            (
+                Precision::F32,
+                Self::NisDistribution | Self::Whiteness | Self::Nll | Self::MseInnovation | Self::Rmse | Self::Distance,
+            ) => 1e-5 * self.scale(value, rows),
         }
     }
 
@@ -46,8 +47,8 @@ impl Kind {
 
     /// What one nat is in the unit of this cost, where it stands at `value`: 1 for `nll`. A mean square f over N rows is,
     /// but for constants, a likelihood N/2 ln f of errors of unknown size, so that a nat of it is 2 f / N; of a root mean
-    /// square or a distance f it is f / N. Of `nis_distribution` N/2 f is a score test's statistic, which is a likelihood ratio in
-    /// nats where it is small.
+    /// square or a distance f it is f / N. Of `nis_distribution` and `whiteness` N/2 f is a score test's statistic, which is a
+    /// likelihood ratio in nats where it is small.
     #[must_use]
     pub fn nat(self, value: f64, rows: usize) -> f64 {
         let row = value.abs().max(f64::MIN_POSITIVE) / rows.max(1) as f64;
@@ -55,7 +56,7 @@ impl Kind {
             Self::Nll => 1.0,
             Self::MseInnovation => 2.0 * row,
             Self::Rmse | Self::Distance => row,
-            Self::NisDistribution => 2.0 / rows.max(1) as f64,
+            Self::NisDistribution | Self::Whiteness => 2.0 / rows.max(1) as f64,
             // A mean NIS has a variance of 2 / N; this is a standard error of it.
             Self::Mismatch | Self::Nis | Self::Nees | Self::NisMean | Self::NeesMean => {
                 (2.0 / rows.max(1) as f64).sqrt()

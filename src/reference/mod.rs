@@ -25,6 +25,7 @@ mod steady;
 mod step;
 mod transition;
 mod uniformity;
+mod whiteness;
 
 pub use amplification::amplification;
 pub(crate) use angle::wrapped;
@@ -39,3 +40,4 @@ pub use smoother::{Smoothed, smooth};
 pub use steady::{Steady, steady_gain};
 pub use step::{Run, Step};
 pub(crate) use uniformity::smooth_components;
+pub(crate) use whiteness::standardised;

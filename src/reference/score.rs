@@ -7,6 +7,7 @@ use nalgebra::DVector;
 use super::estimate::{Update, count};
 use super::step::{Run, Truth};
 use super::uniformity::Uniformity;
+use super::whiteness::Whiteness;
 use crate::data::{Log, Trajectory};
 use crate::model::Problem;
 use crate::objective::{Kind, Objective};
@@ -67,6 +68,7 @@ struct Sum<'a> {
     /// `mismatch`: (trace of nu nu', trace of S) of the latest measured rows of the current trajectory.
     window: VecDeque<(f64, f64)>,
     uniformity: Uniformity,
+    whiteness: Whiteness,
 }
 
 impl<'a> Scorer<'a> {
@@ -79,6 +81,7 @@ impl<'a> Scorer<'a> {
             count: 0,
             window: VecDeque::new(),
             uniformity: Uniformity::default(),
+            whiteness: Whiteness::new(objective.lags),
         };
         Self { truth, sums: objectives.iter().map(sum).collect(), trajectory: 0 }
     }
@@ -93,7 +96,7 @@ impl<'a> Scorer<'a> {
         nees: impl Fn() -> Option<f64>,
     ) {
         if index != self.trajectory {
-            self.sums.iter_mut().for_each(Sum::close_window);
+            self.sums.iter_mut().for_each(Sum::close);
             self.trajectory = index;
         }
         for sum in &mut self.sums {
@@ -110,7 +113,7 @@ impl<'a> Scorer<'a> {
     }
 
     pub(super) fn costs(mut self) -> Vec<f64> {
-        self.sums.iter_mut().for_each(Sum::close_window);
+        self.sums.iter_mut().for_each(Sum::close);
         let states = count(self.truth.column.len());
         self.sums.iter().map(|sum| sum.cost(states)).collect()
     }
@@ -131,6 +134,7 @@ impl Sum<'_> {
             Kind::MseInnovation => self.add(Some(update.nu.norm_squared()), components),
             Kind::Nis | Kind::NisMean => self.add(Some(update.nis), components),
             Kind::NisDistribution => self.uniformity.add(update),
+            Kind::Whiteness => self.whiteness.add(update),
             _ => {
                 if self.window.len() == self.objective.window {
                     self.window.pop_front();
@@ -147,8 +151,9 @@ impl Sum<'_> {
         self.add(Some(value), 1);
     }
 
-    /// Ends a trajectory: its mismatch joins the mean.
-    fn close_window(&mut self) {
+    /// Ends a trajectory: its mismatch joins the mean, and no pair of innovations goes beyond it.
+    fn close(&mut self) {
+        self.whiteness.close();
         let Some(&(_, last)) = self.window.back() else { return };
         let ca: f64 = self.window.iter().map(|(ca, _)| ca).sum();
         let ct: f64 = self.window.iter().map(|(_, ct)| ct).sum();
@@ -171,6 +176,7 @@ impl Sum<'_> {
             Kind::MseInnovation | Kind::Mismatch | Kind::NisMean => mean,
             Kind::Nis => (mean - 1.0).abs(),
             Kind::NisDistribution => self.uniformity.cost(),
+            Kind::Whiteness => self.whiteness.cost(),
             Kind::Nees => (mean / states - 1.0).abs(),
             Kind::NeesMean => mean / states,
             Kind::Rmse => mean.sqrt(),

@@ -142,6 +142,7 @@ fn definition(objective: &Objective, states: &[String]) -> String {
     let window = match (objective.kind, objective.ct_last) {
         (Kind::Mismatch, false) => format!("last {} measured rows", objective.window),
         (Kind::Mismatch, true) => format!("last {} measured rows, Ct of the last", objective.window),
+        (Kind::Whiteness, _) => format!("{} lags", objective.lags),
         _ => String::new(),
     };
     let named = if named.is_empty() { String::new() } else { format!("states {}", named.join(", ")) };

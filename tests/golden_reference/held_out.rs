@@ -66,6 +66,20 @@ fn by_definition(objective: &Objective, trajectories: &[Vec<Row>]) -> f64 {
                 + 7.0 * square(|v| (5.0 * v.powi(3) - 3.0 * v) / 2.0)
                 + 9.0 * square(|v| (35.0 * v.powi(4) - 30.0 * v * v + 3.0) / 8.0)
         }
+        Kind::Whiteness => {
+            let series = |rows: &Vec<Row>| -> Vec<f64> {
+                rows.iter().filter_map(|r| r.update).map(|(nu, s)| nu / s.sqrt()).collect()
+            };
+            let all: Vec<Vec<f64>> = trajectories.iter().map(series).collect();
+            let sum = |lag: usize| -> f64 {
+                all.iter().flat_map(|s| s.iter().zip(&s[lag.min(s.len())..])).map(|(a, b)| a * b).sum()
+            };
+            if all.iter().all(|s| s.len() < 2) {
+                NAN
+            } else {
+                (1..=objective.lags).map(|lag| (sum(lag) / sum(0)).powi(2)).sum()
+            }
+        }
         Kind::Nees => (mean(errors.iter().map(|(e, p)| e * e / p).collect()) - 1.0).abs(),
         Kind::Rmse => mean(errors.iter().map(|(e, _)| e * e).collect()).sqrt(),
         Kind::Distance => errors.iter().map(|(e, _)| e.abs()).sum(),
@@ -135,7 +149,10 @@ fn check(problem: &Problem, held_out: &HeldOut, expected: impl Fn(&Objective) ->
         let mut problem = problem.clone();
         problem.tune = tune(vec![objective.clone()]);
         let found = costs_held_out(&problem, held_out, &[]).expect("the run succeeds")[0];
-        close(found, expected(&objective), 1e-13);
+        let expected = expected(&objective);
+        if !(found.is_nan() && expected.is_nan()) {
+            close(found, expected, 1e-13);
+        }
     }
 }
 

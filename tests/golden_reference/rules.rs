@@ -65,6 +65,31 @@ fn nis_distribution_is_neymans_smooth_statistic() {
     close(cost(&problem, &log, skipping), legendre(second).iter().map(|phi| phi * phi).sum(), 1e-13);
 }
 
+/// Standardised innovations, with the gap: 2; then P = 1.25, S = 2.25, nu = -1, K = 5/9, x = 22/9, P = 5/9; then P = 29/36,
+/// S = 65/36, nu = -13/9.
+#[test]
+fn whiteness_sums_squared_autocorrelations_within_trajectories() {
+    let problem = level().problem();
+    let [a, b, c] = [2.0, -1.0 / 1.5, -13.0 / 9.0 / (65f64 / 36.0).sqrt()];
+    let gap = [4.0, NAN, 2.0, 1.0];
+    let whiteness = |lags, skip| Objective { lags, skip, ..of(Kind::Whiteness) };
+    let power: f64 = a * a + b * b + c * c;
+    let [first, second] = [(a * b + b * c) / power, a * c / power];
+    let found = |lags, skip| cost(&problem, &log(vec![scalars(&gap)]), whiteness(lags, skip));
+    close(found(1, 0), first * first, 1e-13);
+    close(found(2, 0), first * first + second * second, 1e-13);
+    close(found(10, 0), first * first + second * second, 1e-13);
+    // Without the first value.
+    close(found(10, 1), (b * c / (b * b + c * c)).powi(2), 1e-13);
+    // A pair of the second trajectory joins, none between the two.
+    let two = log(vec![scalars(&gap), scalars(&[4.0, NAN, 2.0])]);
+    let power = power + a * a + b * b;
+    let [first, second] = [(2.0 * a * b + b * c) / power, a * c / power];
+    close(cost(&problem, &two, whiteness(10, 0)), first * first + second * second, 1e-13);
+    let alone = cost(&problem, &log(vec![scalars(&[4.0]), scalars(&[2.0])]), whiteness(10, 0));
+    assert!(alone.is_nan(), "no pair, no whiteness: {alone}");
+}
+
 #[test]
 fn skip_drops_first_rows_from_any_objective_but_filters_them() {
     let log = log(vec![with_truth(scalars(&[4.0, 2.0]), &[&[0.0], &[2.0]])]);

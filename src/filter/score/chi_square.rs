@@ -3,8 +3,8 @@
 use crate::tape::{Binary, Function, Graph, Id, Unary};
 use std::f64::consts::FRAC_2_SQRT_PI;
 
-/// Beyond half the degrees of freedom by this much, nothing but 1 is left of the distribution function, in f64 too.
-const BEYOND: f64 = 60.0;
+/// Half of what x is cut down to: the distribution function is 1 there, and infinity is not multiplied by an exp(-y) of 0.
+const MOST: f64 = 1e4;
 
 /// F(x) of chi-square with m degrees of freedom, m >= 1, in closed form (Abramowitz and Stegun 26.4.4 and 26.4.5). With y = x / 2:
 ///
@@ -14,9 +14,7 @@ const BEYOND: f64 = 60.0;
 /// Single precision holds neither exp(-y) nor the sum where m is large. So the sum is of multiples of q = exp(-y/2), and the other
 /// half comes behind it: both fit up to some 200 degrees of freedom.
 pub(super) fn probability(g: &mut Graph, x: Id, m: usize) -> Id {
-    let [zero, half, one] = [0.0, 0.5, 1.0].map(|value| g.constant(value));
-    let degrees = u32::try_from(m).map_or(f64::MAX, f64::from);
-    let most = g.constant(0.5 * degrees + BEYOND);
+    let [zero, half, one, most] = [0.0, 0.5, 1.0, MOST].map(|value| g.constant(value));
     let y = g.mul(half, x);
     let y = g.binary(Binary::Max, y, zero);
     let y = g.binary(Binary::Min, y, most);

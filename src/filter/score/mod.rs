@@ -10,12 +10,23 @@ mod scoring;
 #[cfg(test)]
 mod tests;
 mod truth;
+mod whiteness;
 
 pub(crate) use scoring::{Pools, Scoring, Traced};
 
+use crate::filter::Memo;
+use crate::model::Model;
 use crate::objective::{Kind, Objective};
 
 impl Objective {
+    /// What the objective remembers from row to row.
+    pub(crate) fn memory(&self, model: &Model) -> Vec<Memo> {
+        match self.kind {
+            Kind::Whiteness => whiteness::memory(self, model.measurements.len()).collect(),
+            _ => Vec::new(),
+        }
+    }
+
     /// Adds what the objective needs to a filter that is being traced.
     pub(crate) fn trace(&self, scoring: &mut Scoring<'_, '_>) -> Traced {
         match self.kind {
@@ -24,6 +35,7 @@ impl Objective {
             Kind::Mismatch => mismatch::trace(self, scoring),
             Kind::Nis | Kind::NisMean => innovation::trace_nis(self, scoring),
             Kind::NisDistribution => distribution::trace(self, scoring),
+            Kind::Whiteness => whiteness::trace(self, scoring),
             Kind::Nees | Kind::NeesMean => truth::trace_nees(self, scoring),
             Kind::Rmse => truth::trace_rmse(self, scoring),
             Kind::Distance => truth::trace_distance(self, scoring),
@@ -47,6 +59,7 @@ impl Objective {
             Kind::Nis => innovation::finish_nis(pools),
             Kind::NisMean => innovation::finish_nis_mean(pools),
             Kind::NisDistribution => distribution::finish(pools),
+            Kind::Whiteness => whiteness::finish(self, pools),
             Kind::Nees => truth::finish_nees(pools),
             Kind::NeesMean => truth::finish_nees_mean(pools),
             Kind::Rmse => truth::finish_rmse(pools),

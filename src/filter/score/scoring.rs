@@ -3,6 +3,7 @@
 use crate::filter::carried::Role;
 use crate::filter::columns::Key;
 use crate::filter::evidence::{Evidence, Factor};
+use crate::filter::memory::{Memo, Recall};
 use crate::filter::rows::{Place, Rows};
 use crate::filter::tracer::Tracer;
 use crate::tape::{Graph, Id, Unary};
@@ -12,6 +13,7 @@ use std::f64::consts::LN_2;
 pub(crate) struct Scoring<'a, 'b> {
     t: &'a mut Tracer<'b>,
     evidence: &'a Evidence,
+    recall: Recall<'a>,
     sums: Vec<(Role, Id)>,
     /// What a candidate fails without.
     positive: Vec<Id>,
@@ -68,10 +70,10 @@ impl Traced {
 }
 
 impl<'a, 'b> Scoring<'a, 'b> {
-    pub(in crate::filter) fn new(t: &'a mut Tracer<'b>, evidence: &'a Evidence) -> Self {
+    pub(in crate::filter) fn new(t: &'a mut Tracer<'b>, evidence: &'a Evidence, recall: Recall<'a>) -> Self {
         let factors = evidence.factors.iter().map(|factor| factor.value);
         let positive = factors.chain(evidence.positive.iter().copied()).collect();
-        Self { t, evidence, sums: vec![], positive, asked: (0, 0) }
+        Self { t, evidence, recall, sums: vec![], positive, asked: (0, 0) }
     }
 
     /// For scorer number `scorer`.
@@ -80,9 +82,9 @@ impl<'a, 'b> Scoring<'a, 'b> {
         self
     }
 
-    /// What is summed up, and what a candidate fails without.
-    pub(in crate::filter) fn finish(self) -> (Vec<(Role, Id)>, Vec<Id>) {
-        (self.sums, self.positive)
+    /// What is summed up, what a candidate fails without, and what is remembered.
+    pub(in crate::filter) fn finish(self) -> (Vec<(Role, Id)>, Vec<Id>, Vec<Id>) {
+        (self.sums, self.positive, self.recall.finish())
     }
 
     /// Number of measurements, m.
@@ -100,6 +102,28 @@ impl<'a, 'b> Scoring<'a, 'b> {
     /// Diagonal entry `i` of the joint S.
     pub(crate) fn innovation_variance(&self, i: usize) -> Scaled {
         self.variance(i, self.evidence.spread[i])
+    }
+
+    /// nu / sqrt(S) of measurement `i` in the rows that count, else 0.
+    pub(crate) fn standardised_innovation(&mut self, i: usize, rows: Weight) -> Scaled {
+        let g = &mut self.t.g;
+        let [zero, one] = [0.0, 1.0].map(|value| g.constant(value));
+        // Where it is missing, S may be anything.
+        let spread = g.select(rows.id, self.evidence.spread[i], one);
+        let deviation = g.unary(Unary::Sqrt, spread);
+        let ratio = g.div(self.evidence.innovation[i], deviation);
+        Scaled { id: g.select(rows.id, ratio, zero), exponent: 0 }
+    }
+
+    /// What is remembered of earlier rows.
+    pub(crate) fn recall(&mut self, memo: Memo) -> Scaled {
+        let nan = self.t.g.constant(f64::NAN);
+        Scaled { id: self.recall.get(memo).unwrap_or(nan), exponent: 0 }
+    }
+
+    /// Remembers a number without a unit.
+    pub(crate) fn remember(&mut self, memo: Memo, value: Scaled) {
+        self.recall.set(memo, value.id);
     }
 
     /// In the squared unit of measurement `i`.
@@ -233,6 +257,12 @@ impl<'a, 'b> Scoring<'a, 'b> {
     pub(crate) fn total_of(&mut self, value: Scaled) -> Sum {
         let slot = self.slot(Role::Sum, value.id);
         Sum { slot, factor: 2.0_f64.powi(value.exponent), offset: 0.0 }
+    }
+
+    /// Adds the product of two numbers without a unit up over the rows of a trajectory.
+    pub(crate) fn total_product(&mut self, a: Scaled, b: Scaled) -> Sum {
+        let id = self.t.g.mul(a.id, b.id);
+        self.total_of(Scaled { id, exponent: 0 })
     }
 
     /// Multiplies `value` up over the rows where `gate`, 0 or 1, is positive; the slot holds the logarithm of the product,

@@ -6,6 +6,12 @@ use crate::model::error::{Cause, Fault, nearest};
 use crate::objective::{Kind, Objective};
 use crate::words::shorten;
 
+/// The keys of what an objective or a constraint counts.
+pub(super) const OPTIONS: [&str; 5] = ["states", "skip", "window", "ct", "lags"];
+
+/// Most lags of `whiteness`: each is a number that every candidate carries.
+const LAGS: u32 = 64;
+
 /// Reads `objectives`: a list of different ones, at least one.
 pub(super) fn read(node: &Node<'_>, data: &DataSpec, states: &[String]) -> Result<Vec<Objective>, Fault> {
     let entries = node.list("a list of objectives, such as [\"nll\"]")?;
@@ -29,8 +35,7 @@ fn read_objective(node: &Node<'_>, data: &DataSpec, states: &[String]) -> Result
     if node.value.is_str() {
         return with_truth(node, Objective::new(find(node, what, &Kind::ALL)?), data, (states, what));
     }
-    let fields =
-        node.table("the name of an objective, or a table with `name`", &["name", "states", "skip", "window", "ct"])?;
+    let fields = node.table("the name of an objective, or a table with `name`", &[&["name"], &OPTIONS[..]].concat())?;
     let kind = find(fields.need("name", "the name of an objective")?, what, &Kind::ALL)?;
     let objective = with_options(&fields, kind, data, states)?;
     with_truth(node, objective, data, (states, what))
@@ -53,8 +58,10 @@ pub(super) fn with_options(
     refuse("states", matches!(kind, Kind::Rmse | Kind::Distance))?;
     refuse("window", kind == Kind::Mismatch)?;
     refuse("ct", kind == Kind::Mismatch)?;
+    refuse("lags", kind == Kind::Whiteness)?;
     objective.skip = fields.optional("skip", |n| n.count(0, u32::MAX))?.unwrap_or(0);
     objective.window = fields.optional("window", |n| n.count(1, u32::MAX))?.unwrap_or(objective.window);
+    objective.lags = fields.optional("lags", |n| n.count(1, LAGS))?.unwrap_or(objective.lags);
     objective.ct_last = match fields.optional("ct", |n| Ok((n.clone(), n.string()?)))? {
         None | Some((_, "mean")) => false,
         Some((_, "last")) => true,

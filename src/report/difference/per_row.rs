@@ -44,7 +44,7 @@ pub(super) fn per_row(problem: &Problem, held_out: &HeldOut, candidate: &[f64]) 
     for ((objective, rows), parts) in objectives.iter().zip(&mut all).zip(&parts) {
         match objective.kind {
             Kind::Mismatch => rows.keep_window(objective),
-            Kind::NisDistribution => rows.rows = parts.linearised(objective),
+            Kind::NisDistribution | Kind::Whiteness => rows.rows = parts.linearised(objective),
             _ => {}
         }
     }
@@ -60,7 +60,7 @@ fn share(objective: &Objective, step: &Step, error: &impl Fn(usize) -> Option<f6
         Kind::MseInnovation => step.update.as_ref().map(|update| (update.nu.norm_squared(), components(update))),
         Kind::Mismatch => step.update.as_ref().map(|update| (update.nu.norm_squared(), update.s.trace())),
         Kind::Nis | Kind::NisMean => step.update.as_ref().map(|update| (update.nis, components(update))),
-        Kind::NisDistribution => None,
+        Kind::NisDistribution | Kind::Whiteness => None,
         Kind::Nees | Kind::NeesMean => step.nees.map(|nees| (nees, states as f64)),
         Kind::Rmse | Kind::Distance => {
             let all: Vec<usize> = (0..states).filter(|state| error(*state).is_some()).collect();
@@ -99,7 +99,7 @@ impl PerRow {
                 let each: Vec<f64> = self.mismatches().collect();
                 each.iter().sum::<f64>() / each.len() as f64
             }
-            Kind::MseInnovation | Kind::NisMean | Kind::NeesMean | Kind::NisDistribution => mean,
+            Kind::MseInnovation | Kind::NisMean | Kind::NeesMean | Kind::NisDistribution | Kind::Whiteness => mean,
         }
     }
 
@@ -125,7 +125,7 @@ impl PerRow {
             Kind::Nis | Kind::Nees => (mean - 1.0).signum(),
             Kind::Rmse => 0.5 / mean.sqrt(),
             Kind::Mismatch => return self.influence_on_mismatch(),
-            Kind::MseInnovation | Kind::NisMean | Kind::NeesMean | Kind::NisDistribution => 1.0,
+            Kind::MseInnovation | Kind::NisMean | Kind::NeesMean | Kind::NisDistribution | Kind::Whiteness => 1.0,
         };
         let of = |row: &(usize, f64, f64)| slope * (row.1 - mean * row.2) / weight;
         Influence { rows: self.trajectories().map(|rows| rows.iter().map(of).collect()).collect(), trajectories: None }

@@ -28,7 +28,8 @@ fn difference(problem: &Problem, held_out: &HeldOut, baseline: &[f64], winner: &
 /// What rows add up to is what the reference scores, for every objective and option, in time and over trajectories.
 #[test]
 fn rows_add_up_to_the_objectives() {
-    let objectives = "[\"nll\", { name = \"mse_innovation\", skip = 30 }, \"nis\", \"nis_distribution\", \"nees\", \"rmse\", \"distance\", \
+    let objectives = "[\"nll\", { name = \"mse_innovation\", skip = 30 }, \"nis\", \"nis_distribution\", \
+                      { name = \"whiteness\", lags = 3 }, \"nees\", \"rmse\", \"distance\", \
                       { name = \"mismatch\", window = 7 }]";
     let last = objectives.replace("window = 7", "window = 9, ct = \"last\"");
     for validate in ["validate = { share = 0.5, by = \"time\" }", "validate = 0.4"] {

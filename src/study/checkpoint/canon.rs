@@ -9,7 +9,7 @@ use crate::model::{
     Angles, Expr, ExprKind, FilterKind, First, Model, Parameter, Parameters, Problem, Scale, Search, Start, Symbol,
     TuneSpec, Value,
 };
-use crate::objective::{Constraint, Objective};
+use crate::objective::{Constraint, Kind, Objective};
 
 /// Writes into a hash.
 pub(super) struct Canon(Sum);
@@ -149,10 +149,14 @@ impl Canon {
     }
 
     fn objective(&mut self, objective: &Objective) {
-        let Objective { kind, states, skip, window, ct_last } = objective;
+        let Objective { kind, states, skip, window, ct_last, lags } = objective;
         self.list(kind.name(), states, |canon, state| canon.0.number(*state as u64));
         for number in [*skip as u64, *window as u64, u64::from(*ct_last)] {
             self.0.number(number);
+        }
+        // Objectives without them keep the identity that they had before there were any.
+        if *kind == Kind::Whiteness {
+            self.0.number(*lags as u64);
         }
     }
 

@@ -3,9 +3,10 @@
 use crate::case::{Case, Text};
 use crate::logs::{Gap, Interval, Shape};
 
-const DEFAULTS: &str = r#"["nis_distribution"]"#;
+const DEFAULTS: &str = r#"["nis_distribution", "whiteness"]"#;
 
-const OPTIONS: &str = r#"[{ name = "nis_distribution", skip = 3 }]"#;
+const OPTIONS: &str = r#"[{ name = "nis_distribution", skip = 3 }, { name = "whiteness", lags = 23, skip = 2 }]
+constraints = [{ name = "whiteness", lags = 5, skip = 2, max = 1 }]"#;
 
 const SHAPES: [(&str, Shape); 6] = [
     ("regular", Shape::regular(&[120])),

@@ -25,6 +25,20 @@ fn objectives_of_truth_need_it() {
 }
 
 #[test]
+fn options_of_objectives_have_their_ranges() {
+    for (objective, message) in [
+        ("{ name = \"whiteness\", lags = 0 }", "`tune.objectives[1].lags` is 0: expected a whole number from 1 to 64"),
+        (
+            "{ name = \"nll\", lags = 5 }",
+            "`tune.objectives[1].lags`: it does not apply to the objective `nll`: remove it",
+        ),
+    ] {
+        let first = error(&SOUND.replace("\"nll\"", objective)).to_string();
+        assert!(first.contains(message), "{first}");
+    }
+}
+
+#[test]
 fn simulation() {
     let text = |simulate: &str| {
         let text = SOUND.replace("inputs = [\"u\"]\n", "").replace("+ 0.5*u*dt^2", "").replace("+ u*dt", "");

@@ -88,5 +88,8 @@ fn write_problem(folder: &OutFolder, problem: &Problem, winner: &[f64], origin: 
         Some(file) => problem.tuned_with_file(winner, &file.display().to_string()),
         None => problem.tuned(winner),
     };
-    write_text(folder, TUNED, &text)
+    // Files of tables are relative to the problem's own folder.
+    let base = Path::new(&problem.source).parent().unwrap_or_else(|| Path::new(""));
+    let table = |name: &str| paths::seen_from(folder.path(), &base.join(name)).display().to_string();
+    write_text(folder, TUNED, &Problem::tables_renamed(&text, &table))
 }

@@ -1,5 +1,7 @@
 //! Formula trees onto the graph.
 
+mod curve;
+
 use crate::model::{Binary, Expr, ExprKind, Logical, Parameters, Symbol, Value};
 use crate::tape::{Graph, Id, Leaf, Unary};
 
@@ -68,6 +70,10 @@ pub(super) fn trace(g: &mut Graph, expr: &Expr, scope: Scope<'_>) -> Id {
             let [condition, a, b] = operands.as_ref();
             let choices = [a, b].map(|branch| trace(g, branch, scope));
             choose(g, condition, choices, scope)
+        }
+        ExprKind::Table(table, a) => {
+            let a = trace(g, a, scope);
+            curve::trace(g, table, a)
         }
         ExprKind::Call(function, arguments) => {
             let arguments: Vec<Id> = arguments.iter().map(|a| trace(g, a, scope)).collect();

@@ -28,21 +28,25 @@ impl Formula {
         stack.values.clear();
         stack.slopes.clear();
         for operation in &self.operations {
-            match *operation {
-                Operation::Number(value) => stack.push(value, n, |_| None),
+            match operation {
+                Operation::Number(value) => stack.push(*value, n, |_| None),
                 Operation::Symbol(name) => {
-                    stack.push(symbol(name), n, |j| (name == Symbol::State(j)).then_some(1.0));
+                    stack.push(symbol(*name), n, |j| (*name == Symbol::State(j)).then_some(1.0));
                 }
                 Operation::Negate => stack.apply(n, |a| (-a, Some(-1.0))),
-                Operation::Binary(op) => stack.apply_pair(n, |a, b| (binary(op, a, b), binary_slopes(op, a, b))),
+                Operation::Binary(op) => stack.apply_pair(n, |a, b| (binary(*op, a, b), binary_slopes(*op, a, b))),
                 Operation::Logical(op) => {
-                    stack.apply_pair(n, |a, b| (f64::from(u8::from(holds(op, a, b))), [None; 2]));
+                    stack.apply_pair(n, |a, b| (f64::from(u8::from(holds(*op, a, b))), [None; 2]));
                 }
                 Operation::If => stack.choose(n),
                 Operation::Call(function) if function.arity() == 2 => {
-                    stack.apply_pair(n, |a, b| (call(function, a, b), pair_slopes(function, a, b)));
+                    stack.apply_pair(n, |a, b| (call(*function, a, b), pair_slopes(*function, a, b)));
                 }
-                Operation::Call(function) => stack.apply(n, |a| (call(function, a, f64::NAN), slope(function, a))),
+                Operation::Table(curve) => stack.apply(n, |a| {
+                    let (value, slope) = curve.at(a);
+                    (value, Some(slope))
+                }),
+                Operation::Call(function) => stack.apply(n, |a| (call(*function, a, f64::NAN), slope(*function, a))),
             }
         }
         let value = stack.values.pop().unwrap_or(f64::NAN);

@@ -88,6 +88,19 @@ pub enum Cause {
     ArgumentCount { name: String, expected: usize, found: usize },
     #[error("{what} `{name}` cannot stand in {key}, which may use {allowed}")]
     NotAllowed { what: &'static str, name: String, key: String, allowed: &'static str },
+    #[error("{problem}")]
+    Table { problem: String },
+    #[error("{what} `{name}`, which `{through}` uses, cannot stand in {key}, which may use {allowed}")]
+    NotAllowedThrough { what: &'static str, name: String, through: String, key: String, allowed: &'static str },
+    #[error("`{name}` cannot be used in its own formula")]
+    LetOfItself { name: String },
+    #[error("`{name}` is defined further down in [model.let]: move it above what uses it")]
+    LetLater { name: String },
+    #[error(
+        "with this `{name}` the names of [model.let] stand for more than {limit} operations where they are used: use fewer, \
+         or shorter ones"
+    )]
+    LetTooLarge { name: String, limit: usize },
     #[error(
         "`{text}` is not linear in the states, and the {filter} filter needs {key} to be linear (sums of states times \
          parameters, inputs and dt): set `kind` in [filter] to one of {}", others.join(", ")

@@ -2,8 +2,9 @@
 //! Functions are those of the system and of `libm`, not those of the tape: the reference judges with them.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
-use super::{Binary, Expr, ExprKind, Function, Logical, Symbol};
+use super::{Binary, Curve, Expr, ExprKind, Function, Logical, Symbol};
 
 impl Expr {
     /// The value in f64, with `symbol` giving every symbol's; NaN and infinities follow IEEE 754.
@@ -19,7 +20,7 @@ pub(crate) struct Formula {
     pub(super) operations: Vec<Operation>,
 }
 
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) enum Operation {
     Number(f64),
     Symbol(Symbol),
@@ -27,6 +28,7 @@ pub(super) enum Operation {
     Binary(Binary),
     Logical(Logical),
     If,
+    Table(Arc<Curve>),
     Call(Function),
 }
 
@@ -43,6 +45,7 @@ impl Formula {
                 ExprKind::Binary(op, ..) => Operation::Binary(*op),
                 ExprKind::Logical(op, ..) => Operation::Logical(*op),
                 ExprKind::If(_) => Operation::If,
+                ExprKind::Table(curve, _) => Operation::Table(Arc::clone(curve)),
                 ExprKind::Call(function, _) => Operation::Call(*function),
             });
             pending.extend(node.operands());
@@ -59,17 +62,17 @@ impl Formula {
     pub(crate) fn value(&self, symbol: impl Fn(Symbol) -> f64, stack: &mut Vec<f64>) -> f64 {
         stack.clear();
         for operation in &self.operations {
-            let value = match *operation {
-                Operation::Number(value) => value,
-                Operation::Symbol(name) => symbol(name),
+            let value = match operation {
+                Operation::Number(value) => *value,
+                Operation::Symbol(name) => symbol(*name),
                 Operation::Negate => -pop(stack),
                 Operation::Binary(op) => {
                     let b = pop(stack);
-                    binary(op, pop(stack), b)
+                    binary(*op, pop(stack), b)
                 }
                 Operation::Logical(op) => {
                     let b = pop(stack);
-                    f64::from(u8::from(holds(op, pop(stack), b)))
+                    f64::from(u8::from(holds(*op, pop(stack), b)))
                 }
                 Operation::If => {
                     let (b, a) = (pop(stack), pop(stack));
@@ -77,9 +80,10 @@ impl Formula {
                 }
                 Operation::Call(function) if function.arity() == 2 => {
                     let b = pop(stack);
-                    call(function, pop(stack), b)
+                    call(*function, pop(stack), b)
                 }
-                Operation::Call(function) => call(function, pop(stack), f64::NAN),
+                Operation::Table(curve) => curve.at(pop(stack)).0,
+                Operation::Call(function) => call(*function, pop(stack), f64::NAN),
             };
             stack.push(value);
         }

@@ -1,5 +1,8 @@
 //! The formula tree. It is what the problem file means: the tape traces it, the reference evaluates it.
 
+use std::sync::Arc;
+
+use super::Curve;
 use crate::tape::Function;
 
 /// A formula: a tree of operations on states, parameters, inputs and dt.
@@ -36,6 +39,8 @@ pub enum ExprKind {
     /// `if(condition, a, b)`: a where the condition is above 0, else b. The other of the two does not matter, even if it is
     /// no number.
     If(Box<[Expr; 3]>),
+    /// `table("file", a)`: a curve at a.
+    Table(Arc<Curve>, Box<Expr>),
     /// `function(a, ...)`, with as many arguments as [`Function::arity`] says.
     Call(Function, Vec<Expr>),
 }
@@ -141,11 +146,18 @@ impl Expr {
     pub fn operands(&self) -> Vec<&Self> {
         match &self.kind {
             ExprKind::Number(_) | ExprKind::Symbol(_) => vec![],
-            ExprKind::Negate(a) => vec![a],
+            ExprKind::Negate(a) | ExprKind::Table(_, a) => vec![a],
             ExprKind::Binary(_, a, b) | ExprKind::Logical(_, a, b) => vec![a, b],
             ExprKind::If(operands) => operands.iter().collect(),
             ExprKind::Call(_, arguments) => arguments.iter().collect(),
         }
+    }
+
+    /// Nodes, and how many of them lie above each other.
+    pub(super) fn extent(&self) -> (usize, usize) {
+        let below = self.operands().into_iter().map(Self::extent);
+        let (size, depth) = below.fold((0, 0), |(size, depth), (s, d)| (size + s, depth.max(d)));
+        (size + 1, depth + 1)
     }
 
     /// Replaces the span of every node.
@@ -153,7 +165,7 @@ impl Expr {
         self.span = map(self.span);
         match &mut self.kind {
             ExprKind::Number(_) | ExprKind::Symbol(_) => {}
-            ExprKind::Negate(a) => a.map_spans(map),
+            ExprKind::Negate(a) | ExprKind::Table(_, a) => a.map_spans(map),
             ExprKind::Binary(_, a, b) | ExprKind::Logical(_, a, b) => {
                 a.map_spans(map);
                 b.map_spans(map);
@@ -185,6 +197,7 @@ impl Expr {
         match (&self.kind, &other.kind) {
             (ExprKind::Negate(a), ExprKind::Negate(b)) => a.same(b),
             (ExprKind::Binary(p, a, b), ExprKind::Binary(q, c, d)) => p == q && a.same(c) && b.same(d),
+            (ExprKind::Table(p, a), ExprKind::Table(q, b)) => p == q && a.same(b),
             (ExprKind::Logical(p, a, b), ExprKind::Logical(q, c, d)) => p == q && a.same(c) && b.same(d),
             (ExprKind::If(a), ExprKind::If(b)) => a.iter().zip(b.iter()).all(|(a, b)| a.same(b)),
             (ExprKind::Call(p, a), ExprKind::Call(q, b)) => p == q && a.iter().zip(b).all(|(a, b)| a.same(b)),

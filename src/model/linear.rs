@@ -30,7 +30,7 @@ fn uses_states(expr: &Expr) -> Result<bool, &Expr> {
             }
             Ok(uses_states(a)? | uses_states(b)?)
         }
-        ExprKind::Logical(..) | ExprKind::Call(..) => {
+        ExprKind::Logical(..) | ExprKind::Table(..) | ExprKind::Call(..) => {
             for operand in expr.operands() {
                 if uses_states(operand)? {
                     return Err(expr);

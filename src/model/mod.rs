@@ -2,6 +2,7 @@
 
 mod check_log;
 mod check_start;
+mod curve;
 mod definite;
 mod draft;
 mod dual;
@@ -18,6 +19,7 @@ mod read;
 mod tuned;
 
 pub use crate::tape::Function;
+pub use curve::{Curve, Piece};
 pub(crate) use definite::{ROUNDING, is_covariance, is_product, must_be_definite};
 pub use draft::{Draft, draft};
 pub(crate) use dual::Duals;

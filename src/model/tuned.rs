@@ -33,6 +33,19 @@ impl Problem {
         document.to_string()
     }
 
+    /// The text of a problem file with the files of tables in its formulas called otherwise: `rename` gets each name as it
+    /// stands there.
+    #[must_use]
+    pub fn tables_renamed(text: &str, rename: &dyn Fn(&str) -> String) -> String {
+        let Ok(mut document) = text.parse::<DocumentMut>() else { return text.to_owned() };
+        for table in ["model", "filter", "simulate"] {
+            if let Some(item) = document.get_mut(table) {
+                rename_in(item, rename);
+            }
+        }
+        document.to_string()
+    }
+
     /// The candidate that `other`'s baseline is for this problem, matched by parameter names: what
     /// `filter PROBLEM --parameters tuned.toml` runs.
     ///
@@ -72,6 +85,42 @@ fn set_start(table: &mut dyn TableLike, parameter: &Parameter, search: &Search, 
             table.insert(&parameter.name, Item::Value(TomlValue::InlineTable(element(parameter, search, value))));
         }
     }
+}
+
+fn rename_in(item: &mut Item, rename: &dyn Fn(&str) -> String) {
+    if let Some(table) = item.as_table_like_mut() {
+        table.iter_mut().for_each(|(_, item)| rename_in(item, rename));
+    } else if let Some(value) = item.as_value_mut() {
+        rename_in_value(value, rename);
+    }
+}
+
+fn rename_in_value(value: &mut TomlValue, rename: &dyn Fn(&str) -> String) {
+    match value {
+        TomlValue::Array(list) => list.iter_mut().for_each(|value| rename_in_value(value, rename)),
+        TomlValue::InlineTable(table) => table.iter_mut().for_each(|(_, value)| rename_in_value(value, rename)),
+        TomlValue::String(text) => {
+            let formula = renamed(text.value(), rename);
+            if formula != *text.value() {
+                replace(value, formula.into());
+            }
+        }
+        _ => {}
+    }
+}
+
+/// A formula with what stands in quotes replaced: only files of tables do.
+fn renamed(formula: &str, rename: &dyn Fn(&str) -> String) -> String {
+    let (mut text, mut rest) = (String::new(), formula);
+    while let Some(start) = rest.find(['"', '\'']) {
+        let (before, quoted) = rest.split_at(start);
+        let Some((file, after)) = quoted[1..].split_once(&quoted[..1]) else { break };
+        let name = rename(file);
+        let quote = if name.contains('"') { '\'' } else { '"' };
+        text += &format!("{before}{quote}{name}{quote}");
+        rest = after;
+    }
+    text + rest
 }
 
 /// Replaces a value and keeps the space and comments around it.

@@ -6,6 +6,7 @@ use crate::random::{Purpose, Stream};
 use crate::reference;
 use crate::tape::{Calculator, Graph, Id, Leaf, Moved, Node};
 use std::collections::HashMap;
+use std::path::Path;
 
 const LEAVES: [Leaf; 2] = [Leaf::Variable(0), Leaf::Variable(1)];
 
@@ -16,7 +17,8 @@ fn graph() -> (Graph, [Id; 2]) {
 }
 
 fn parsed(text: &str) -> Expr {
-    let names = Names { states: vec!["x".to_owned(), "y".to_owned()], ..Names::default() };
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
+    let names = Names { states: vec!["x".to_owned(), "y".to_owned()], folder, ..Names::default() };
     let scope = FormulaScope { names: &names, place: FormulaPlace::Transition, key: "f" };
     parse(text, scope).unwrap_or_else(|fault| panic!("{text}: {}", fault.cause))
 }
@@ -175,6 +177,49 @@ fn the_branch_that_is_not_taken_may_be_no_number() {
     }
 }
 
+/// On the graph a curve is a sum of pieces; at its points, too, it has the slope that the tree has.
+#[test]
+fn curves_have_their_values_and_slopes_at_their_points_and_beyond() {
+    let mut traced = Traced::parsed("table('ocv.csv', x)");
+    let points = [0.0, 0.05, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 0.95, 1.0];
+    let between = (-30..60).map(|k| f64::from(k) / 29.0);
+    for x in points.into_iter().chain(between) {
+        let (graph, tree) = (traced.on_graph([x, 0.0]), traced.on_tree([x, 0.0]));
+        for (graph, tree) in graph.iter().zip(tree) {
+            assert!(
+                (graph - tree).abs() <= 1e-12 * tree.abs().max(1.0),
+                "{x}: {graph} on the graph, {tree} on the tree"
+            );
+        }
+    }
+}
+
+/// How far a curve moves keeps its digits, however little its place does: in f32 a difference of values has four.
+#[test]
+fn differences_of_curves_keep_their_digits() {
+    let traced = Traced::parsed("table('ocv.csv', x)");
+    let (mut g, [x, _]) = graph();
+    let dt = g.constant(0.5);
+    let value = trace(&mut g, &traced.expr, Scope { states: &[x, x], parameters: &[], inputs: &[], dt });
+    let (base, delta) = (g.leaf(Leaf::Column(0)), g.leaf(Leaf::Carried(0)));
+    let moved = HashMap::from([(LEAVES[0], Moved::by(&mut g, base, delta))]);
+    let moved = g.difference(&[value], &moved, &mut |_, _| true)[0];
+    let mut calculator = Calculator::new(&g, &[moved.base, moved.delta]);
+    for (from, by) in
+        [(0.02, 1e-9), (0.3, -1e-12), (0.5, 1e-10), (0.2, -1e-10), (1.2, 1e-9), (-0.1, 1e-9), (0.3, 0.4), (-0.5, 2.0)]
+    {
+        let found: Vec<f64> = calculator.evaluate(|leaf| if leaf == Leaf::Column(0) { from } else { by }).collect();
+        let [at, slope, _] = traced.on_tree([from, 0.0]);
+        assert!((found[0] - at).abs() < 1e-14 * at.abs().max(1.0) * 10.0, "{from}: {} and {at}", found[0]);
+        let expected = if by.abs() < 1e-8 { slope * by } else { traced.on_tree([from + by, 0.0])[0] - at };
+        assert!(
+            (found[1] - expected).abs() <= 1e-6 * expected.abs(),
+            "{from} by {by}: {}, expected {expected}",
+            found[1]
+        );
+    }
+}
+
 #[test]
 fn derivatives_of_formulas_are_those_of_dual_numbers_and_of_differences() {
     for text in [
@@ -192,6 +237,8 @@ fn derivatives_of_formulas_are_those_of_dual_numbers_and_of_differences() {
         "if(x > y, x^2, sin(y)) * (x <= 0.1)",
         "if(x > 0, sqrt(x)*y, 0) + if(y <= 0, 0, ln(y))",
         "if(x > 0 and y > 0 or x < -1 and not y >= 0.5, x*y, x - y)",
+        "y * table('ocv.csv', 0.5 + x/3)",
+        "table('ocv.csv', x^2) / table('ocv.csv', 0.1*y)",
         "if(floor(x) == 0, x, if(floor(y) != 1, y, x*y))",
         "asin(0.9*sin(x)) + acos(x/30) + lgamma(abs(y))",
     ] {

@@ -9,6 +9,8 @@ use crate::words::shorten;
 pub(super) enum Token<'a> {
     Number(f64),
     Name(&'a str),
+    /// What stands in quotes.
+    Text(&'a str),
     Operator(Binary),
     Comparison(Logical),
     Open,
@@ -42,6 +44,7 @@ impl<'a> Lexer<'a> {
                 let length = rest.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).unwrap_or(rest.len());
                 (Token::Name(&rest[..length]), length)
             }
+            '"' | '\'' => quoted(rest, start)?,
             '<' | '>' | '=' | '!' => comparison(rest, start)?,
             c => (symbol(c, start)?, 1),
         };
@@ -66,6 +69,17 @@ fn symbol(c: char, start: usize) -> Result<Token<'static>, Fault> {
             return Err(Fault::new(span, Cause::Syntax { found, expected: "a number, a name or an operator" }));
         }
     })
+}
+
+/// A text in single or double quotes, which has no escapes.
+fn quoted(rest: &str, start: usize) -> Result<(Token<'_>, usize), Fault> {
+    match rest[1..].split_once(&rest[..1]) {
+        Some((inner, _)) => Ok((Token::Text(inner), inner.len() + 2)),
+        None => {
+            let span = Span { start, end: start + rest.len() };
+            Err(Fault::new(span, Cause::UnexpectedEnd { expected: "the closing quote of a file's name" }))
+        }
+    }
 }
 
 /// `<`, `<=`, `>`, `>=`, `==` or `!=`.
@@ -118,6 +132,7 @@ impl Token<'_> {
         match self {
             Self::Number(value) => format!("the number {value}"),
             Self::Name(name) => format!("`{}`", shorten(name)),
+            Self::Text(text) => format!("`\"{}\"`", shorten(text)),
             Self::Operator(op) => format!("`{}`", op.symbol()),
             Self::Comparison(op) => format!("`{}`", op.symbol()),
             Self::Open => "`(`".to_owned(),

@@ -18,12 +18,13 @@
 mod lexer;
 mod parser;
 mod scope;
+mod table;
 
 #[cfg(test)]
 mod tests;
 
 pub(crate) use parser::parse;
-pub(crate) use scope::{Names, Place as FormulaPlace, Scope, is_name, reserved};
+pub(crate) use scope::{Let, Names, Place as FormulaPlace, Scope, is_name, reserved};
 
 #[cfg(doc)]
 use super::Function;

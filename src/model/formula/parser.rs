@@ -1,7 +1,7 @@
 //! Tokens to tree, by recursive descent.
 
 use super::lexer::{Lexer, Token};
-use super::scope::{Callee, Scope, WORDS, callee};
+use super::scope::{Callee, Meaning, Scope, WORDS, callee};
 use super::{MAX_DEPTH, MAX_LENGTH, MAX_NESTING};
 use crate::model::error::{Cause, Fault};
 use crate::model::{Binary, Expr, ExprKind, Logical, Span};
@@ -141,7 +141,7 @@ impl<'a> Parser<'a> {
                 let (_, at) = p.advance()?;
                 let Tree { expr, depth } = p.signed()?;
                 let span = Span { start: at.start, end: expr.span.end };
-                Ok(Tree { expr: Expr { kind: ExprKind::Negate(Box::new(expr)), span }, depth: depth + 1 })
+                above(at, depth, Expr { kind: ExprKind::Negate(Box::new(expr)), span })
             }),
             Token::Operator(Binary::Add) => self.nested(|p| {
                 p.advance()?;
@@ -181,11 +181,17 @@ impl<'a> Parser<'a> {
     }
 
     fn name(&self, name: &str, span: Span) -> Result<Tree, Fault> {
-        let kind = match name {
-            "pi" => ExprKind::Number(std::f64::consts::PI),
-            _ => ExprKind::Symbol(self.scope.resolve(name, span)?),
-        };
-        Ok(leaf(kind, span))
+        if name == "pi" {
+            return Ok(leaf(ExprKind::Number(std::f64::consts::PI), span));
+        }
+        Ok(match self.scope.resolve(name, span)? {
+            Meaning::Symbol(symbol) => leaf(ExprKind::Symbol(symbol), span),
+            Meaning::Let(found) => {
+                let mut expr = found.formula.clone();
+                expr.map_spans(&|_| span);
+                Tree { expr, depth: found.depth }
+            }
+        })
     }
 
     /// `( formula )`; the tree's span takes the parentheses in.
@@ -207,6 +213,9 @@ impl<'a> Parser<'a> {
     fn call(&mut self, name: &str, at: Span) -> Result<Tree, Fault> {
         let callee = callee(name, at)?;
         self.advance()?;
+        if callee == Callee::Table {
+            return self.table(at);
+        }
         let (arguments, depth) = self.arguments()?;
         let span = Span { start: at.start, end: self.close("`)`")?.end };
         let (expected, found) = (callee.arity(), arguments.len());
@@ -214,9 +223,23 @@ impl<'a> Parser<'a> {
         let kind = match callee {
             Callee::If => ExprKind::If(Box::new(arguments.try_into().map_err(|_| refused())?)),
             Callee::Function(function) if found == expected => ExprKind::Call(function, arguments),
-            Callee::Function(_) => return Err(refused()),
+            Callee::Function(_) | Callee::Table => return Err(refused()),
         };
-        Ok(Tree { expr: Expr { kind, span }, depth: depth + 1 })
+        above(at, depth, Expr { kind, span })
+    }
+
+    /// `"file", formula)`.
+    fn table(&mut self, at: Span) -> Result<Tree, Fault> {
+        let Token::Text(file) = self.token else { return Err(self.unexpected("a file's name in quotes")) };
+        let (_, named) = self.advance()?;
+        let curve = self.scope.names.table(file, named)?;
+        match self.token {
+            Token::Comma => self.advance()?,
+            _ => return Err(self.unexpected("`,` and where to look it up")),
+        };
+        let Tree { expr, depth } = self.formula()?;
+        let span = Span { start: at.start, end: self.close("`)` or an operator")?.end };
+        above(at, depth, Expr { kind: ExprKind::Table(curve, Box::new(expr)), span })
     }
 
     /// Arguments up to the closing parenthesis, and the depth of the deepest.
@@ -245,13 +268,18 @@ fn binary(op: Binary, at: Span, left: Tree, right: Tree) -> Result<Tree, Fault> 
     pair(at, left, right, |a, b| ExprKind::Binary(op, a, b))
 }
 
-/// `left op right`, unless the tree grows too deep to recurse over: then an error at the operator.
+/// `left op right`, an operator at `at`.
 fn pair(at: Span, left: Tree, right: Tree, kind: impl FnOnce(Box<Expr>, Box<Expr>) -> ExprKind) -> Result<Tree, Fault> {
-    let depth = left.depth.max(right.depth) + 1;
-    if depth > MAX_DEPTH {
-        return Err(Fault::new(at, Cause::FormulaChain { limit: MAX_DEPTH }));
-    }
+    let depth = left.depth.max(right.depth);
     let span = Span { start: left.expr.span.start, end: right.expr.span.end };
     let kind = kind(Box::new(left.expr), Box::new(right.expr));
-    Ok(Tree { expr: Expr { kind, span }, depth })
+    above(at, depth, Expr { kind, span })
+}
+
+/// A node whose operands are `below` deep, unless the tree grows too deep to recurse over: then an error at `at`.
+fn above(at: Span, below: usize, expr: Expr) -> Result<Tree, Fault> {
+    if below >= MAX_DEPTH {
+        return Err(Fault::new(at, Cause::FormulaChain { limit: MAX_DEPTH }));
+    }
+    Ok(Tree { expr, depth: below + 1 })
 }

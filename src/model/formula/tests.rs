@@ -8,7 +8,7 @@ use crate::model::{Expr, Span, Symbol};
 
 fn names() -> Names {
     let list = |names: &[&str]| names.iter().map(|n| (*n).to_owned()).collect();
-    Names { states: list(&["x", "v"]), parameters: list(&["q", "sigma_a"]), inputs: list(&["u"]) }
+    Names { states: list(&["x", "v"]), parameters: list(&["q", "sigma_a"]), inputs: list(&["u"]), ..Names::default() }
 }
 
 fn parse_in(text: &str, place: FormulaPlace) -> Result<Expr, Fault> {
@@ -207,6 +207,7 @@ fn print(expr: &Expr) -> String {
         ExprKind::Binary(op, a, b) => format!("({} {} {})", print(a), op.symbol(), print(b)),
         ExprKind::Logical(op, a, b) => format!("({} {} {})", print(a), op.symbol(), print(b)),
         ExprKind::If(_) => call("if", expr),
+        ExprKind::Table(curve, a) => format!("table({curve}, {})", print(a)),
         ExprKind::Call(function, _) => call(function.name(), expr),
     }
 }

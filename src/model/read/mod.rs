@@ -5,6 +5,7 @@ mod covariance;
 mod data;
 mod filter;
 mod format;
+mod lets;
 mod locate;
 mod model;
 mod names;
@@ -51,7 +52,8 @@ impl Problem {
         Self::parse(&text, &source)
     }
 
-    /// Reads the text of a problem file; `source` is its name in messages.
+    /// Reads the text of a problem file; `source` is its name in messages, and files of tables in formulas are looked for
+    /// in its folder.
     ///
     /// ```
     /// let problem = kfgpu::model::Problem::parse(
@@ -101,7 +103,8 @@ fn read(text: &str, source: &str) -> Result<Problem, Fault> {
     data::check_truth(&document, draft.states())?;
     let declared = document.optional("parameters", |n| n.table("a table", &[]))?;
     let parameters = parameters::read(declared.as_ref(), &draft.factors)?;
-    let names = draft.names(&document, &data, &parameters)?;
+    let folder = Path::new(source).parent().unwrap_or_else(|| Path::new(""));
+    let names = draft.names(&document, &data, &parameters, folder)?;
     let model = draft.finish(&names, &data, &parameters)?;
     let simulate = simulate::read(&document, &model, &parameters, &names, &data)?;
     let tune = tune::tune(&document, &data, &model.states)?;

@@ -1,7 +1,10 @@
 //! The `[model]` table: formulas, or a built-in model.
 
+use std::path::Path;
+
 use super::covariance::{self, Axes};
 use super::data;
+use super::lets;
 use super::names::{check_name, limit};
 use super::node::{Fields, Node};
 use super::parameters::Factor;
@@ -13,7 +16,7 @@ use crate::model::{Angles, Expr, First, Model, Parameters, Start, Value};
 
 /// A step over n dense states and measurements is 4 n^3 flops, 7 n^3 by factors: tracing 32 takes a second.
 const MAX_STATES: usize = 32;
-const COMMON: [&str; 6] = ["R", "x0", "P0", "first", "first_dt", "angle"];
+const COMMON: [&str; 7] = ["R", "x0", "P0", "first", "first_dt", "angle", "let"];
 const FORMULAS: [&str; 4] = ["state", "f", "h", "Q"];
 const BUILT_IN: [&str; 3] = ["kind", "axes", "noise"];
 
@@ -114,6 +117,7 @@ impl Draft<'_> {
         document: &Fields<'_>,
         data: &DataSpec,
         parameters: &Parameters,
+        folder: &Path,
     ) -> Result<Names, Fault> {
         let parameters: Vec<String> = parameters.all.iter().map(|p| p.name.clone()).collect();
         let declared = document.optional("parameters", |n| n.table("a table", &[]))?;
@@ -135,7 +139,15 @@ impl Draft<'_> {
             let cause = Cause::NameTaken { name: data.inputs[i].clone(), taken: "a state" };
             return Err(Fault::new(data::input_span(document, i), cause));
         }
-        Ok(Names { states: self.states.clone(), parameters, inputs: data.inputs.clone() })
+        let mut names = Names {
+            states: self.states.clone(),
+            parameters,
+            inputs: data.inputs.clone(),
+            folder: folder.to_owned(),
+            ..Names::default()
+        };
+        self.fields.optional("let", |node| lets::read(node, &mut names))?;
+        Ok(names)
     }
 
     /// Reads every formula.

@@ -2,5 +2,7 @@
 
 mod errors;
 mod examples;
+mod lets;
 mod log;
+mod tables;
 mod tuned;

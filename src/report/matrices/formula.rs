@@ -23,6 +23,9 @@ pub(super) fn filled(expr: &Expr, parameters: &[f64], dt: Option<f64>) -> Expr {
             let [condition, a, b] = operands.as_ref();
             chosen(again(condition), again(a), again(b))
         }
+        ExprKind::Table(curve, a) => {
+            folded(Expr { kind: ExprKind::Table(curve.clone(), Box::new(again(a))), span: expr.span })
+        }
         ExprKind::Call(function, arguments) => {
             folded(Expr { kind: ExprKind::Call(*function, arguments.iter().map(again).collect()), span: expr.span })
         }
@@ -57,7 +60,11 @@ pub(super) fn coefficient(expr: &Expr, state: usize) -> Expr {
     match &expr.kind {
         ExprKind::Symbol(Symbol::State(i)) if *i == state => Expr::number(1.0),
         // A function of states would not be affine.
-        ExprKind::Number(_) | ExprKind::Symbol(_) | ExprKind::Logical(..) | ExprKind::Call(..) => Expr::number(0.0),
+        ExprKind::Number(_)
+        | ExprKind::Symbol(_)
+        | ExprKind::Logical(..)
+        | ExprKind::Table(..)
+        | ExprKind::Call(..) => Expr::number(0.0),
         ExprKind::Negate(a) => negated(of(a)),
         ExprKind::If(operands) => chosen(operands[0].clone(), of(&operands[1]), of(&operands[2])),
         ExprKind::Binary(op @ (Binary::Add | Binary::Subtract), a, b) => joined(*op, of(a), of(b)),
@@ -75,7 +82,11 @@ pub(super) fn offset(expr: &Expr) -> Expr {
         ExprKind::Negate(a) => negated(offset(a)),
         ExprKind::Binary(op, a, b) => joined(*op, offset(a), offset(b)),
         ExprKind::If(operands) => chosen(operands[0].clone(), offset(&operands[1]), offset(&operands[2])),
-        ExprKind::Number(_) | ExprKind::Symbol(_) | ExprKind::Logical(..) | ExprKind::Call(..) => expr.clone(),
+        ExprKind::Number(_)
+        | ExprKind::Symbol(_)
+        | ExprKind::Logical(..)
+        | ExprKind::Table(..)
+        | ExprKind::Call(..) => expr.clone(),
     }
 }
 
@@ -185,6 +196,7 @@ impl Writer<'_> {
                 (format!("{a} {} {b}", op.symbol()), COMPARISON)
             }
             ExprKind::If(_) => (self.call("if", expr), ATOM),
+            ExprKind::Table(curve, a) => (format!("table({curve}, {})", self.text(a)), ATOM),
             ExprKind::Call(function, _) => (self.call(function.name(), expr), ATOM),
         }
     }

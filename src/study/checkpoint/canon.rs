@@ -83,6 +83,12 @@ impl Canon {
                 self.formula(b);
             }
             ExprKind::If(operands) => self.list("if", operands.as_slice(), Self::formula),
+            // What the curve is called and where it lies does not count: its numbers do.
+            ExprKind::Table(curve, a) => {
+                self.values("table", curve.x());
+                self.values("values", curve.y());
+                self.formula(a);
+            }
             ExprKind::Call(function, arguments) => self.list(function.name(), arguments, Self::formula),
         }
     }

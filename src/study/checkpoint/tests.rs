@@ -197,6 +197,22 @@ fn identity_is_what_the_bits_of_a_search_depend_on() {
     assert!(error.starts_with("the log is not the one it was written with: resume with that log"), "{error}");
 }
 
+/// Not what a curve is called, nor where it lies.
+#[test]
+fn the_numbers_of_a_table_belong_to_a_search() {
+    let folder = tempfile::tempdir().unwrap();
+    let identity = |file: &str, points: &str| {
+        std::fs::write(folder.path().join(file), format!("x,y\n{points}")).unwrap();
+        let table = format!("'table(\"{}\", q)'", folder.path().join(file).display());
+        let (problem, log) = problem(&TEXT.replace("\"q\"", &table));
+        Identity::of(&problem, &log)
+    };
+    let first = identity("a.csv", "0,1\n1,2\n");
+    assert_eq!(first, identity("b.csv", "0,1\n1.0,2\n"));
+    assert_ne!(first, identity("a.csv", "0,1\n1,2.5\n"));
+    assert_ne!(first, identity("a.csv", "0,1\n1.5,2\n"));
+}
+
 /// A flag that is written into `[tune]` moves every formula behind it.
 #[test]
 fn formulas_of_an_adaptive_filter_may_stand_elsewhere() {

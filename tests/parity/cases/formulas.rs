@@ -84,7 +84,14 @@ fn inputs() -> Vec<Case> {
     // What the input chooses is still affine in the states; the root of the branch that is not taken is none.
     let chosen = start_text.replace("0.9*v + u -", "if(u > 0 and not w < -1, 0.9*v + sqrt(u), 0.8*v - (w >= 0)) -");
     let chosen = Text { model: &chosen, ..base };
+    // A curve of an input, whose ends it leaves, and one of a searched parameter.
+    let curve = format!("table('{}/tests/data/ocv.csv', ", env!("CARGO_MANIFEST_DIR"));
+    let curves = start_text
+        .replace("+ 0.3*w", &format!("+ {curve}w)"))
+        .replace("0.9*v + u", &format!("({curve}q/5) - 3.2)*v + u"));
+    let curves = Text { model: &curves, ..base };
     vec![
+        Case::new("curves of an input and a parameter", &curves, IRREGULAR, 257),
         Case::new("inputs", &start, IRREGULAR, 257),
         Case::new("inputs that choose", &chosen, IRREGULAR, 257),
         Case::new("inputs, named states, pooled", &Text { objectives: named, ..start }, leading, 257),

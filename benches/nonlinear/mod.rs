@@ -84,8 +84,8 @@ impl Baseline {
         let (centre, other) = (2.0, 0.5 / N as f64);
         let mut total = 0.0;
         for z in &self.z {
-            let points = points(&x, &p);
-            let seen = points.map(|point| h(&point));
+            let at = points(&x, &p);
+            let seen = at.map(|point| h(&point));
             let mut mean = Vector2::zeros();
             for point in &seen[1..] {
                 let mut moved = point - seen[0];
@@ -94,7 +94,7 @@ impl Baseline {
             }
             mean += seen[0];
             let (mut s, mut cross) = (model.r, Matrix4x2::zeros());
-            for (i, (point, seen)) in points.iter().zip(&seen).enumerate() {
+            for (i, (point, seen)) in at.iter().zip(&seen).enumerate() {
                 let weight = if i == 0 { centre } else { other };
                 let mut e = seen - mean;
                 e[1] = wrap(e[1]);

@@ -47,6 +47,8 @@ pub(crate) enum Refusal {
     NotPositive,
     /// It met a number that is not finite, or a cost is none. Overflow comes earlier in f32.
     NotFinite,
+    /// It has lost the track and amplifies the last digits of the log, so that nobody has its costs.
+    Amplified,
 }
 
 /// Every objective, with default options.
@@ -126,7 +128,12 @@ impl Case {
     }
 
     pub(crate) fn reference(&self) -> Costs {
+        let amplified = |candidate| {
+            let amplification = || reference::amplification(&self.problem, &self.log, candidate);
+            !self.problem.filter.is_linear() && amplification().is_ok_and(|amplification| amplification >= 1.0)
+        };
         let costs = |candidate| match reference::costs(&self.problem, &self.log, candidate) {
+            Ok(_) if amplified(candidate) => Err(Refusal::Amplified),
             Ok(costs) if costs.iter().all(|cost| cost.is_finite()) => Ok(costs),
             Ok(_) => Err(Refusal::NotFinite),
             Err(failure) => Err(match failure.what {

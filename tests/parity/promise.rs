@@ -20,6 +20,7 @@ pub(crate) fn unequal_status(case: &Case, costs: &Costs, evaluation: &Evaluation
     let equal = |i: usize| match (&costs[i], evaluation.status(i)) {
         (Ok(_), status) => status.is_ok(),
         (Err(Refusal::NotPositive), status) => status == Status::NOT_POSITIVE,
+        (Err(Refusal::Amplified), _) => true,
         (Err(Refusal::NotFinite), status) => [Status::NOT_POSITIVE, Status::NOT_FINITE].contains(&status),
     };
     let unequal = (0..costs.len()).filter(|i| !equal(*i));

@@ -203,7 +203,7 @@ fn differences_of_curves_keep_their_digits() {
     let value = trace(&mut g, &traced.expr, Scope { states: &[x, x], parameters: &[], inputs: &[], dt });
     let (base, delta) = (g.leaf(Leaf::Column(0)), g.leaf(Leaf::Carried(0)));
     let moved = HashMap::from([(LEAVES[0], Moved::by(&mut g, base, delta))]);
-    let moved = g.difference(&[value], &moved, &mut |_, _| true)[0];
+    let moved = g.difference(&[value], &moved, &mut |_, _| true).roots[0];
     let mut calculator = Calculator::new(&g, &[moved.base, moved.delta]);
     for (from, by) in
         [(0.02, 1e-9), (0.3, -1e-12), (0.5, 1e-10), (0.2, -1e-10), (1.2, 1e-9), (-0.1, 1e-9), (0.3, 0.4), (-0.5, 2.0)]

@@ -8,6 +8,7 @@ mod failing;
 mod formulas;
 mod gaps;
 mod large;
+mod nonlinear;
 mod objectives;
 
 use crate::case::Case;
@@ -40,6 +41,7 @@ pub(crate) fn all() -> Vec<Case> {
     cases.extend(large::cases());
     cases.extend(diffuse::cases());
     cases.extend(gaps::cases());
+    cases.extend(nonlinear::cases());
     cases.extend(objectives::cases());
     cases
 }

@@ -34,11 +34,14 @@ fn cancels(g: &Graph, sum: Sum, rows: usize, value: &dyn Fn(Leaf, usize) -> f64)
     const SHARE: f64 = 0.02;
     let [a, b] = sum.operands;
     let mut calculator = Calculator::new(g, &[a, b, sum.base]);
+    // A base that is no number, of a branch that the nominal does not take there, would make the value none.
+    let mut numbers = 0;
     let cancels = |row: &usize| {
         let values: Vec<f64> = calculator.evaluate(|leaf| value(leaf, *row)).map(f64::abs).collect();
+        numbers += usize::from(!values[2].is_nan());
         values[0].max(values[1]) > LOSS * values[2]
     };
     #[expect(clippy::cast_precision_loss, reason = "counts of rows stay far below 2^53")]
-    let (lost, rows) = ((0..rows).filter(cancels).count() as f64, rows as f64);
-    lost > SHARE * rows
+    let lost = (0..rows).filter(cancels).count() as f64;
+    numbers == rows && lost > SHARE * rows as f64
 }

@@ -23,6 +23,7 @@ mod output;
 mod reproduce;
 #[cfg(unix)]
 mod signals;
+mod tables;
 mod tape;
 mod tune;
 mod validation;

@@ -71,7 +71,9 @@ fn curve(file: &str, text: &str) -> Result<Curve, Wrong> {
         }
         let cells = pair(line, row, separator)?;
         let [a, b] = [number(line, &cells[0])?, number(line, &cells[1])?];
-        (x.push(a), y.push(b), places.push((line, cells[0].column)));
+        x.push(a);
+        y.push(b);
+        places.push((line, cells[0].column));
     }
     let last = places.last().copied().unwrap_or((first, 1));
     let values = x.clone();

@@ -38,5 +38,5 @@ fn a_search_is_resumed_with_the_numbers_of_its_table_alone() {
     assert!(sentence.contains("it is of another problem than this"), "{sentence}");
     folder.write("tables/c.csv", "r,R\n0,0\n10,x\n");
     let sentence = folder.run(&["filter", "problem.toml"]).refusal();
-    assert!(sentence.starts_with("problem.toml:16:16: tables/c.csv:3:4: expected a number, found \"x\""), "{sentence}");
+    assert!(sentence.starts_with("problem.toml:17:16: tables/c.csv:3:4: expected a number, found \"x\""), "{sentence}");
 }

@@ -11,6 +11,7 @@
 //! signed  = ("-" | "+") signed | power          so -a^2 = -(a^2)
 //! power   = atom [ "^" signed ]                 so a^b^c = a^(b^c) and a^-1 = a^(-1)
 //! atom    = number | name | function "(" formula { "," formula } ")" | "(" formula ")"
+//!         | "table" "(" text "," formula ")"        a text in single or double quotes: a file
 //! ```
 //!
 //! Formulas are data: no side effects, bounded length, bounded depth.

@@ -36,6 +36,18 @@ pub(super) trait Family {
     /// # Errors
     /// If the model does not fit the filter.
     fn predict(&self, t: &mut Tracer<'_>, row: &Row, posterior: &[Id]) -> Result<Predicted, TraceError>;
+
+    /// A state, known for certain, one row on without the process noise: f(x). States are as the first n entries are carried.
+    ///
+    /// # Errors
+    /// If the model does not fit the filter.
+    fn advance(&self, t: &mut Tracer<'_>, row: &Row, x: &[Id]) -> Result<Vec<Id>, TraceError>;
+
+    /// What is measured in a row less what such a state says of it, z - h(x); meaningless where missing.
+    ///
+    /// # Errors
+    /// If the model does not fit the filter.
+    fn residual(&self, t: &mut Tracer<'_>, row: &Row, x: &[Id]) -> Result<Vec<Id>, TraceError>;
 }
 
 /// What a time update makes.

@@ -13,6 +13,8 @@ pub(crate) enum Memo {
     /// The standardised innovation of a component, `lag` of its values ago, of scorers that leave out `skip` rows; 0 where there
     /// was none.
     Innovation { component: usize, lag: usize, skip: usize },
+    /// A state of this row as it was predicted `rows` rows before its own prior, which `rows` = 0 would be.
+    Lead { state: usize, rows: usize },
 }
 
 impl Memo {
@@ -22,13 +24,16 @@ impl Memo {
                 let rows = if skip > 0 { format!(".skip{skip}") } else { String::new() };
                 format!("nu.{}-{lag}{rows}", model.measurements[component])
             }
+            Self::Lead { state, rows } => format!("x.{}-{rows}", model.states[state]),
         }
     }
 
     /// Its value before the first row of a trajectory, whose filter starts from `entries`.
-    fn start(self, g: &mut Graph, _: &[Id]) -> Id {
+    fn start(self, g: &mut Graph, entries: &[Id]) -> Id {
         match self {
             Self::Innovation { .. } => g.constant(0.0),
+            // Nothing scores by it, but f must have a value there.
+            Self::Lead { state, .. } => entries[state],
         }
     }
 }

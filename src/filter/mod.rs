@@ -16,6 +16,7 @@ mod form;
 mod formula;
 mod gaussian;
 mod kinds;
+mod leads;
 mod listing;
 mod memory;
 mod nodes;

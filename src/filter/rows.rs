@@ -66,6 +66,7 @@ impl<'a> Rows<'a> {
                 index,
                 k,
                 is_start: from_measurement && k == first,
+                leads: k - first + usize::from(!from_measurement),
             })
         })
     }
@@ -91,12 +92,19 @@ pub(crate) struct Place<'a> {
     pub(crate) k: usize,
     /// Whether x0 comes from this row, which therefore gets no update.
     is_start: bool,
+    leads: usize,
 }
 
 impl Place<'_> {
     /// Whether measurement `i` is present and updates the filter.
     pub(crate) fn present(&self, i: usize) -> bool {
         !self.is_start && !self.trajectory.z.row(self.k)[i].is_nan()
+    }
+
+    /// The most rows ahead of which the filter could predict this one: x0 counts as the estimate of the row before the first, or
+    /// where it comes from the first used row, of that.
+    pub(crate) const fn leads(&self) -> usize {
+        self.leads
     }
 
     /// Number of present components.

@@ -4,6 +4,7 @@ use super::carried::Role;
 use super::error::TraceError;
 use super::evidence::Evidence;
 use super::form::Carrying;
+use super::leads::Leads;
 use super::memory::{Recall, Remembering};
 use super::nominal::Nominal;
 use super::row::Row;
@@ -55,7 +56,10 @@ impl Traces {
         let (prior, remembered) = carried.split_at(carried.len() - filter.memory.len());
         let row = Row::new(t)?;
         let (evidence, posterior) = filter.family.update(t, &row, prior)?;
-        let mut scoring = Scoring::new(t, &evidence, Recall::new(&filter.memory, remembered));
+        let mut recall = Recall::new(&filter.memory, remembered);
+        let horizons = request.objectives.iter().flat_map(|objective| objective.horizons().iter().copied());
+        let leads = Leads::trace(t, filter.family.as_ref(), &row, prior, &mut recall, horizons)?;
+        let mut scoring = Scoring::new(t, &evidence, &leads, recall);
         let traced =
             request.objectives.iter().enumerate().map(|(i, objective)| objective.trace(scoring.asked_by(i))).collect();
         let (mut sums, mut positive, memory) = scoring.finish();

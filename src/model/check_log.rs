@@ -160,6 +160,16 @@ impl Problem {
             if objective.kind == Kind::Mismatch {
                 warnings.extend(log.trajectories.iter().filter_map(|t| short_window(log, t, objective.window)));
             }
+            if let Some(ahead) =
+                objective.horizons().iter().find(|ahead| !self.is_predicted(log, objective.skip, **ahead))
+            {
+                let problem = format!(
+                    "the {what} `{name}` looks {ahead} rows ahead, and no scored measurement of {} has so many rows before it: \
+                     give a smaller `ahead`",
+                    log.source
+                );
+                return Err(self.log_fault(&["tune", key], problem));
+            }
             let needed: Vec<&String> = match objective.kind {
                 Kind::Nees | Kind::NeesMean => self.model.states.iter().collect(),
                 _ => objective.states.iter().map(|i| &self.model.states[*i]).collect(),
@@ -181,6 +191,21 @@ impl Problem {
             }
         }
         Ok(())
+    }
+}
+
+impl Problem {
+    /// Whether some measurement that scores can be predicted from so many rows ahead: from x0 as the estimate of the row before
+    /// the first, or of the row that it is taken from.
+    fn is_predicted(&self, log: &Log, skip: usize, ahead: usize) -> bool {
+        log.trajectories.iter().any(|t| {
+            let first = match self.model.x0 {
+                Start::Measurement => (0..t.len()).find(|k| t.is_complete(*k)).map(|k| k + ahead),
+                Start::Values(_) => Some(ahead - 1),
+            };
+            let measured = |k: usize| t.z.row(k).iter().any(|z| !z.is_nan());
+            first.is_some_and(|first| (first.max(skip)..t.len()).any(measured))
+        })
     }
 }
 

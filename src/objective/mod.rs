@@ -21,6 +21,8 @@ pub struct Objective {
     pub ct_last: bool,
     /// `whiteness`: lags, counted in present values of a component.
     pub lags: usize,
+    /// `prediction`: how many rows ahead, each at least 1; empty for the default, see [`Self::horizons`].
+    pub ahead: Vec<usize>,
 }
 
 /// The kinds of objective.
@@ -38,6 +40,8 @@ pub enum Kind {
     NisDistribution,
     /// Sum over components and lags of the squared autocorrelations of the innovations.
     Whiteness,
+    /// Mean squared error of predicting the measurement some rows ahead; the mean over several distances.
+    Prediction,
     /// |nees_mean - 1|.
     Nees,
     /// Root of the mean over rows with truth of the squared error of the named states, posterior.
@@ -52,13 +56,14 @@ pub enum Kind {
 
 impl Kind {
     /// Every objective with the name it has in problem files, JSON and CSV.
-    pub const ALL: [(&'static str, Self); 9] = [
+    pub const ALL: [(&'static str, Self); 10] = [
         ("nll", Self::Nll),
         ("mse_innovation", Self::MseInnovation),
         ("mismatch", Self::Mismatch),
         ("nis", Self::Nis),
         ("nis_distribution", Self::NisDistribution),
         ("whiteness", Self::Whiteness),
+        ("prediction", Self::Prediction),
         ("nees", Self::Nees),
         ("rmse", Self::Rmse),
         ("distance", Self::Distance),
@@ -81,10 +86,20 @@ impl Kind {
 }
 
 impl Objective {
-    /// The objective with default options (no rows skipped, window 100, no states, 10 lags).
+    /// The objective with default options (no rows skipped, window 100, no states, 10 lags, 5 rows ahead).
     #[must_use]
     pub const fn new(kind: Kind) -> Self {
-        Self { kind, states: Vec::new(), skip: 0, window: 100, ct_last: false, lags: 10 }
+        Self { kind, states: Vec::new(), skip: 0, window: 100, ct_last: false, lags: 10, ahead: Vec::new() }
+    }
+
+    /// The distances, in rows, over which `prediction` predicts; none for other kinds.
+    #[must_use]
+    pub fn horizons(&self) -> &[usize] {
+        match self.kind {
+            Kind::Prediction if self.ahead.is_empty() => &[5],
+            Kind::Prediction => &self.ahead,
+            _ => &[],
+        }
     }
 
     /// Its name in reports.

@@ -12,7 +12,9 @@ impl Kind {
         match self {
             Self::Nll => value.abs().max(rows as f64),
             Self::Mismatch | Self::Nis | Self::Nees | Self::NisDistribution | Self::Whiteness => 1.0 + value.abs(),
-            Self::MseInnovation | Self::Rmse | Self::Distance | Self::NisMean | Self::NeesMean => value.abs(),
+            Self::MseInnovation | Self::Prediction | Self::Rmse | Self::Distance | Self::NisMean | Self::NeesMean => {
+                value.abs()
+            }
         }
     }
 
@@ -33,7 +35,13 @@ impl Kind {
             (Precision::F32, Self::Nis | Self::Nees | Self::NisMean | Self::NeesMean) => 1e-4 * (1.0 + value.abs()),
             (
                 Precision::F32,
-                Self::NisDistribution | Self::Whiteness | Self::Nll | Self::MseInnovation | Self::Rmse | Self::Distance,
+                Self::NisDistribution
+                | Self::Whiteness
+                | Self::Prediction
+                | Self::Nll
+                | Self::MseInnovation
+                | Self::Rmse
+                | Self::Distance,
             ) => 1e-5 * self.scale(value, rows),
         }
     }
@@ -54,7 +62,7 @@ impl Kind {
         let row = value.abs().max(f64::MIN_POSITIVE) / rows.max(1) as f64;
         match self {
             Self::Nll => 1.0,
-            Self::MseInnovation => 2.0 * row,
+            Self::MseInnovation | Self::Prediction => 2.0 * row,
             Self::Rmse | Self::Distance => row,
             Self::NisDistribution | Self::Whiteness => 2.0 / rows.max(1) as f64,
             // A mean NIS has a variance of 2 / N; this is a standard error of it.

@@ -2,7 +2,7 @@
 
 use super::families;
 use super::filter::Filter;
-use super::score::Scorer;
+use super::score::{Scorer, Seen};
 use super::step::{Moment, Run, Step, Truth};
 use super::{Cause, Failure};
 use crate::data::{HeldOut, Log, Trajectory};
@@ -22,7 +22,7 @@ pub fn run(problem: &Problem, log: &Log, candidate: &[f64]) -> Result<Run, Failu
     walk(problem, log, candidate, &mut |moment| {
         trajectories[moment.trajectory].push(moment.step(log, &truth));
     })?;
-    Ok(Run { trajectories })
+    Ok(Run { candidate: candidate.to_vec(), trajectories })
 }
 
 /// As [`run`], but keeps no row: each goes to `visit`, with the index of its trajectory. Gives the problem's objectives.
@@ -39,11 +39,11 @@ pub fn visit(
     visit: &mut impl FnMut(usize, &Step),
 ) -> Result<Vec<f64>, Failure> {
     let truth = Truth::of(problem, log);
-    let mut scorer = Scorer::new(&truth, &problem.tune.objectives);
+    let mut scorer = Scorer::new((problem, candidate), &truth, &problem.tune.objectives);
     walk(problem, log, candidate, &mut |moment| {
         let step = moment.step(log, &truth);
         let place = (&log.trajectories[moment.trajectory], moment.row);
-        scorer.row(moment.trajectory, place, &moment.state.posterior.x, moment.update, || step.nees);
+        scorer.row(moment.trajectory, place, Seen::of(&moment, true), || step.nees);
         visit(moment.trajectory, &step);
     })?;
     Ok(scorer.costs())
@@ -105,14 +105,12 @@ fn scores_where(
     counts: impl Fn(usize, usize) -> bool,
 ) -> Result<Vec<f64>, Failure> {
     let truth = Truth::of(problem, log);
-    let mut scorer = Scorer::new(&truth, scorers);
+    let mut scorer = Scorer::new((problem, candidate), &truth, scorers);
     walk(problem, log, candidate, &mut |moment| {
-        if !counts(moment.trajectory, moment.row) {
-            return;
-        }
         let trajectory = &log.trajectories[moment.trajectory];
         let nees = || truth.nees(trajectory, &moment);
-        scorer.row(moment.trajectory, (trajectory, moment.row), &moment.state.posterior.x, moment.update, nees);
+        let seen = Seen::of(&moment, counts(moment.trajectory, moment.row));
+        scorer.row(moment.trajectory, (trajectory, moment.row), seen, nees);
     })?;
     Ok(scorer.costs())
 }

@@ -5,7 +5,8 @@ use std::collections::VecDeque;
 use nalgebra::DVector;
 
 use super::estimate::{Update, count};
-use super::step::{Run, Truth};
+use super::prediction::Prediction;
+use super::step::{Moment, Run, Truth};
 use super::uniformity::Uniformity;
 use super::whiteness::Whiteness;
 use crate::data::{Log, Trajectory};
@@ -18,11 +19,13 @@ use crate::objective::{Kind, Objective};
 #[must_use]
 pub fn score(problem: &Problem, log: &Log, run: &Run, objectives: &[Objective]) -> Vec<f64> {
     let truth = Truth::of(problem, log);
-    let mut scorer = Scorer::new(&truth, objectives);
+    let mut scorer = Scorer::new((problem, &run.candidate), &truth, objectives);
     for (index, (trajectory, steps)) in log.trajectories.iter().zip(&run.trajectories).enumerate() {
         for step in steps {
             let place = (trajectory, step.row);
-            scorer.row(index, place, &step.posterior.x, step.update.as_ref(), || step.nees);
+            let (prior, posterior) = (&step.prior.x, &step.posterior.x);
+            let seen = Seen { prior, posterior, update: step.update.as_ref(), scores: true };
+            scorer.row(index, place, seen, || step.nees);
         }
     }
     scorer.costs()
@@ -51,6 +54,22 @@ impl Run {
     }
 }
 
+/// What is scored of a row.
+#[derive(Clone, Copy)]
+pub(super) struct Seen<'a> {
+    prior: &'a DVector<f64>,
+    posterior: &'a DVector<f64>,
+    update: Option<&'a Update>,
+    /// Whether the row counts; what is predicted from it may count later.
+    scores: bool,
+}
+
+impl<'a> Seen<'a> {
+    pub(super) const fn of(moment: &Moment<'a>, scores: bool) -> Self {
+        Self { prior: &moment.state.prior.x, posterior: &moment.state.posterior.x, update: moment.update, scores }
+    }
+}
+
 /// Adds up objectives row by row; rows come trajectory by trajectory, in order.
 pub(super) struct Scorer<'a> {
     truth: &'a Truth,
@@ -69,11 +88,16 @@ struct Sum<'a> {
     window: VecDeque<(f64, f64)>,
     uniformity: Uniformity,
     whiteness: Whiteness,
+    prediction: Option<Prediction>,
 }
 
 impl<'a> Scorer<'a> {
-    pub(super) fn new(truth: &'a Truth, objectives: &'a [Objective]) -> Self {
+    pub(super) fn new((problem, candidate): (&Problem, &[f64]), truth: &'a Truth, objectives: &'a [Objective]) -> Self {
         let with_truth = || (0..truth.column.len()).filter(|&i| truth.column[i].is_some()).collect();
+        let prediction = |objective: &Objective| {
+            let ahead = objective.horizons();
+            (objective.kind == Kind::Prediction).then(|| Prediction::new(problem, candidate, ahead))
+        };
         let sum = |objective: &'a Objective| Sum {
             objective,
             states: if objective.states.is_empty() { with_truth() } else { objective.states.clone() },
@@ -82,6 +106,7 @@ impl<'a> Scorer<'a> {
             window: VecDeque::new(),
             uniformity: Uniformity::default(),
             whiteness: Whiteness::new(objective.lags),
+            prediction: prediction(objective),
         };
         Self { truth, sums: objectives.iter().map(sum).collect(), trajectory: 0 }
     }
@@ -91,8 +116,7 @@ impl<'a> Scorer<'a> {
         &mut self,
         index: usize,
         (trajectory, row): (&Trajectory, usize),
-        x: &DVector<f64>,
-        update: Option<&Update>,
+        Seen { prior, posterior: x, update, scores }: Seen<'_>,
         nees: impl Fn() -> Option<f64>,
     ) {
         if index != self.trajectory {
@@ -100,7 +124,12 @@ impl<'a> Scorer<'a> {
             self.trajectory = index;
         }
         for sum in &mut self.sums {
-            if row < sum.objective.skip {
+            let scores = scores && row >= sum.objective.skip;
+            if let Some(prediction) = &mut sum.prediction {
+                prediction.row(index, (trajectory, row), (prior, update), scores);
+                continue;
+            }
+            if !scores {
                 continue;
             }
             match (sum.objective.kind, update) {
@@ -177,6 +206,7 @@ impl Sum<'_> {
             Kind::Nis => (mean - 1.0).abs(),
             Kind::NisDistribution => self.uniformity.cost(),
             Kind::Whiteness => self.whiteness.cost(),
+            Kind::Prediction => self.prediction.as_ref().map_or(f64::NAN, Prediction::cost),
             Kind::Nees => (mean / states - 1.0).abs(),
             Kind::NeesMean => mean / states,
             Kind::Rmse => mean.sqrt(),

@@ -12,6 +12,8 @@ use crate::model::{Angles, Problem};
 /// Everything a filter run computed, row by row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Run {
+    /// The candidate, searched parameters in their own units.
+    pub candidate: Vec<f64>,
     /// One list of steps per trajectory of the log. With `x0 = "measurement"` a list begins at the first complete
     /// measurement, and is empty where there is none.
     pub trajectories: Vec<Vec<Step>>,

@@ -143,6 +143,10 @@ fn definition(objective: &Objective, states: &[String]) -> String {
         (Kind::Mismatch, false) => format!("last {} measured rows", objective.window),
         (Kind::Mismatch, true) => format!("last {} measured rows, Ct of the last", objective.window),
         (Kind::Whiteness, _) => format!("{} lags", objective.lags),
+        (Kind::Prediction, _) => {
+            let ahead: Vec<String> = objective.horizons().iter().map(usize::to_string).collect();
+            format!("{} rows ahead", ahead.join(", "))
+        }
         _ => String::new(),
     };
     let named = if named.is_empty() { String::new() } else { format!("states {}", named.join(", ")) };

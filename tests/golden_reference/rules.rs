@@ -90,6 +90,33 @@ fn whiteness_sums_squared_autocorrelations_within_trajectories() {
     assert!(alone.is_nan(), "no pair, no whiteness: {alone}");
 }
 
+/// x' = x / 2 + u, z = x: x0 = 0 and Q = 0, P0 = 3, R = 1. Row 0: nu = 4, K = 3/4, x = 3. Row 1: x = 3/2 + 1, P = 3/16; nothing
+/// measured. Row 2: x = 5/4 - 1, P = 3/64, nu = 2 - 1/4, K = 3/67.
+#[test]
+fn prediction_compares_with_the_measurement_some_rows_later() {
+    let model = Linear { f: matrix([[0.5]]), b: matrix([[1.0]]), d: matrix([[0.0]]), ..Linear::level(0.0, 1.0, 3.0) };
+    let problem = model.problem();
+    let mut driven = scalars(&[4.0, NAN, 2.0]);
+    driven.u = table(&[&[1.0], &[-1.0], &[0.0]]);
+    let three = log(vec![driven]);
+    let ahead = |ahead: &[usize]| Objective { ahead: ahead.to_vec(), ..of(Kind::Prediction) };
+    let found = |ahead: &[usize]| cost(&problem, &three, Objective { ahead: ahead.to_vec(), ..of(Kind::Prediction) });
+    let one = (16.0 + 1.75 * 1.75) / 2.0;
+    close(found(&[1]), one, 1e-14);
+    // Of x1 = 0 / 2 + 1, which is where x0 leads, and 1 / 2 - 1.
+    let three_ahead = 2.5 * 2.5;
+    close(found(&[3]), three_ahead, 1e-14);
+    // Two rows ahead of row 2 is the prior of row 1, 5/2: as good as the prior of row 2, for row 1 has no measurement.
+    close(found(&[2]), 1.75 * 1.75, 1e-14);
+    close(found(&[3, 1]), (three_ahead + one) / 2.0, 1e-14);
+    close(cost(&problem, &three, Objective { skip: 1, ..ahead(&[1]) }), 1.75 * 1.75, 1e-14);
+    assert!(found(&[4]).is_nan(), "no row has so many before it");
+    // From the measurement: x = 4 at row 0, which is no prediction; row 2 is predicted from there as 4 -> 3 -> 1/2.
+    let problem = Linear { start: None, ..model }.problem();
+    close(cost(&problem, &three, ahead(&[2])), 1.5 * 1.5, 1e-14);
+    assert!(cost(&problem, &three, ahead(&[3])).is_nan(), "nothing is older than the start");
+}
+
 #[test]
 fn skip_drops_first_rows_from_any_objective_but_filters_them() {
     let log = log(vec![with_truth(scalars(&[4.0, 2.0]), &[&[0.0], &[2.0]])]);

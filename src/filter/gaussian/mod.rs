@@ -2,7 +2,9 @@
 #![expect(non_snake_case, reason = "Kalman notation: F, H, P, Q, R")]
 
 pub(super) mod adapt;
+mod innovation;
 pub(super) mod moments;
+mod point;
 mod update;
 
 use super::carried::narrow;
@@ -16,8 +18,9 @@ use super::row::Row;
 use super::tracer::Tracer;
 use super::units::{self, scaled};
 use crate::model::{First, Model};
-use crate::tape::{Graph, Id, Leaf, Unary};
+use crate::tape::{Graph, Id, Leaf};
 use adapt::{Adaptation, Noise, Seen, in_range};
+use innovation::Innovation;
 use moments::{Map, MomentRule, Moments};
 use update::{Measurement, Update, Updated};
 
@@ -92,27 +95,15 @@ impl<M: MomentRule, A: Adaptation> Gaussian<M, A> {
         (State { P, .. }, at): (&State, &[Id]),
         R: &Symmetric,
     ) -> Result<(Measurement, Vec<Id>), TraceError> {
-        let Moments { fixed, moved, linear, jacobian: H, excess, positive, .. } =
-            self.rule.through(t, row, Map::Measurement, at, P)?;
-        let z = scaled(&mut t.g, &row.z, &t.units.measurements);
-        let (mut free, mut nu) = (Vec::with_capacity(z.len()), Vec::with_capacity(z.len()));
-        for (i, z) in z.into_iter().enumerate() {
-            let turns = t.problem.model.angles.measurement(i);
-            let wrapped = |g: &mut Graph, a: Id| if turns { g.unary(Unary::Wrap, a) } else { a };
-            let z = t.g.sub(z, fixed[i]);
-            // What is the same for all candidates is wrapped in f64.
-            let z = wrapped(&mut t.g, z);
-            let z = t.g.sub(z, moved[i]);
-            free.push(z);
-            let innovation = t.g.sub(z, linear[i]);
-            nu.push(wrapped(&mut t.g, innovation));
-        }
+        let moments = self.rule.through(t, row, Map::Measurement, at, P)?;
+        let Innovation { z, nu } = Innovation::new(t, row, &moments);
+        let Moments { jacobian: H, excess, positive, .. } = moments;
         let R = match excess {
             None => R.clone(),
             Some(excess) => R.plus(&mut t.g, &excess),
         };
         let (present, anchored) = (row.present.clone(), self.carrying.anchored);
-        Ok((Measurement { H, R, nu, z: free, present, anchored }, positive))
+        Ok((Measurement { H, R, nu, z, present, anchored }, positive))
     }
 
     /// The update of a prior, linearised as often as the rule says: the evidence is that of the first time, where the prior is.
@@ -222,6 +213,14 @@ impl<M: MomentRule, A: Adaptation> Family for Gaussian<M, A> {
         let noise = self.noise(t, &row.model, &state.memory);
         let Stepped { x, P, positive } = self.step(t, row, &state, noise.Q)?;
         Ok(Predicted { prior: [x, P.entries(), state.memory].concat(), positive })
+    }
+
+    fn advance(&self, t: &mut Tracer<'_>, row: &Row, x: &[Id]) -> Result<Vec<Id>, TraceError> {
+        point::advance(t, &self.rule, row, x)
+    }
+
+    fn residual(&self, t: &mut Tracer<'_>, row: &Row, x: &[Id]) -> Result<Vec<Id>, TraceError> {
+        point::residual(t, &self.rule, row, x)
     }
 }
 

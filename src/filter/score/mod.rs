@@ -6,13 +6,16 @@ mod distribution;
 mod innovation;
 mod likelihood;
 mod mismatch;
+mod prediction;
 mod scoring;
+mod sums;
 #[cfg(test)]
 mod tests;
 mod truth;
 mod whiteness;
 
-pub(crate) use scoring::{Pools, Scoring, Traced};
+pub(crate) use scoring::Scoring;
+pub(crate) use sums::{Pools, Traced};
 
 use crate::filter::Memo;
 use crate::model::Model;
@@ -23,6 +26,7 @@ impl Objective {
     pub(crate) fn memory(&self, model: &Model) -> Vec<Memo> {
         match self.kind {
             Kind::Whiteness => whiteness::memory(self, model.measurements.len()).collect(),
+            Kind::Prediction => prediction::memory(self, model.states.len()).collect(),
             _ => Vec::new(),
         }
     }
@@ -36,6 +40,7 @@ impl Objective {
             Kind::Nis | Kind::NisMean => innovation::trace_nis(self, scoring),
             Kind::NisDistribution => distribution::trace(self, scoring),
             Kind::Whiteness => whiteness::trace(self, scoring),
+            Kind::Prediction => prediction::trace(self, scoring),
             Kind::Nees | Kind::NeesMean => truth::trace_nees(self, scoring),
             Kind::Rmse => truth::trace_rmse(self, scoring),
             Kind::Distance => truth::trace_distance(self, scoring),
@@ -60,6 +65,7 @@ impl Objective {
             Kind::NisMean => innovation::finish_nis_mean(pools),
             Kind::NisDistribution => distribution::finish(pools),
             Kind::Whiteness => whiteness::finish(self, pools),
+            Kind::Prediction => prediction::finish(self, pools),
             Kind::Nees => truth::finish_nees(pools),
             Kind::NeesMean => truth::finish_nees_mean(pools),
             Kind::Rmse => truth::finish_rmse(pools),

@@ -1,8 +1,10 @@
-//! What objectives see of a filter while it is traced, and of its sums when it has run.
+//! What objectives see of a filter while it is traced.
 
+use super::sums::Sum;
 use crate::filter::carried::Role;
 use crate::filter::columns::Key;
 use crate::filter::evidence::{Evidence, Factor};
+use crate::filter::leads::Leads;
 use crate::filter::memory::{Memo, Recall};
 use crate::filter::rows::{Place, Rows};
 use crate::filter::tracer::Tracer;
@@ -13,6 +15,7 @@ use std::f64::consts::LN_2;
 pub(crate) struct Scoring<'a, 'b> {
     t: &'a mut Tracer<'b>,
     evidence: &'a Evidence,
+    leads: &'a Leads,
     recall: Recall<'a>,
     sums: Vec<(Role, Id)>,
     /// What a candidate fails without.
@@ -43,37 +46,16 @@ pub(crate) struct Scaled {
     exponent: i32,
 }
 
-/// What becomes of the total in a slot of the program: `factor * total + offset`, exactly 1 and 0 where the filter computes
-/// in the problem's own units.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Sum {
-    slot: usize,
-    factor: f64,
-    offset: f64,
-}
-
-/// The sums of one objective, and over how much they run.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub(crate) struct Traced {
-    /// In the objective's own order.
-    pub(crate) sums: Vec<Sum>,
-    /// The objective's count (components, rows), one a trajectory.
-    pub(crate) counts: Vec<f64>,
-}
-
-impl Traced {
-    /// The same with its sums in the slots `of` those that were asked for.
-    pub(in crate::filter) fn in_slots(&self, of: &[usize]) -> Self {
-        let sums = self.sums.iter().map(|sum| Sum { slot: of[sum.slot], ..*sum }).collect();
-        Self { sums, counts: self.counts.clone() }
-    }
-}
-
 impl<'a, 'b> Scoring<'a, 'b> {
-    pub(in crate::filter) fn new(t: &'a mut Tracer<'b>, evidence: &'a Evidence, recall: Recall<'a>) -> Self {
+    pub(in crate::filter) fn new(
+        t: &'a mut Tracer<'b>,
+        evidence: &'a Evidence,
+        leads: &'a Leads,
+        recall: Recall<'a>,
+    ) -> Self {
         let factors = evidence.factors.iter().map(|factor| factor.value);
         let positive = factors.chain(evidence.positive.iter().copied()).collect();
-        Self { t, evidence, recall, sums: vec![], positive, asked: (0, 0) }
+        Self { t, evidence, leads, recall, sums: vec![], positive, asked: (0, 0) }
     }
 
     /// For scorer number `scorer`.
@@ -96,6 +78,17 @@ impl<'a, 'b> Scoring<'a, 'b> {
     pub(crate) fn squared_innovation(&mut self, i: usize) -> Scaled {
         let innovation = self.evidence.innovation[i];
         let id = self.t.g.mul(innovation, innovation);
+        self.variance(i, id)
+    }
+
+    /// Squared error of what was predicted of measurement `i` from so many rows `ahead` of it; 1 is the innovation.
+    pub(crate) fn squared_prediction_error(&mut self, ahead: usize, i: usize) -> Scaled {
+        let nan = self.t.g.constant(f64::NAN);
+        let error = match ahead {
+            1 => self.evidence.innovation[i],
+            _ => self.leads.error(ahead).map_or(nan, |error| error[i]),
+        };
+        let id = self.t.g.mul(error, error);
         self.variance(i, id)
     }
 
@@ -253,6 +246,13 @@ impl<'a, 'b> Scoring<'a, 'b> {
         self.total_of(Scaled { id, ..value })
     }
 
+    /// Adds `value` up over the rows that count, in which alone it need be a number.
+    pub(crate) fn sum_where(&mut self, value: Scaled, weight: Weight) -> Sum {
+        let zero = self.t.g.constant(0.0);
+        let id = self.t.g.select(weight.id, value.id, zero);
+        self.total_of(Scaled { id, ..value })
+    }
+
     /// Adds `value` up over the rows of a trajectory.
     pub(crate) fn total_of(&mut self, value: Scaled) -> Sum {
         let slot = self.slot(Role::Sum, value.id);
@@ -278,43 +278,5 @@ impl<'a, 'b> Scoring<'a, 'b> {
     fn slot(&mut self, role: Role, value: Id) -> usize {
         self.sums.push((role, value));
         self.sums.len() - 1
-    }
-}
-
-/// The totals of a run that one objective reads: of one trajectory, or pooled over all.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Pools<'a> {
-    /// One a slot of the program.
-    pub(in crate::filter) totals: &'a [f64],
-    /// What [`Objective::of_trajectory`](crate::objective::Objective::of_trajectory) gave, summed over the trajectories.
-    pub(in crate::filter) folded: f64,
-    pub(in crate::filter) traced: &'a Traced,
-}
-
-impl Pools<'_> {
-    /// The objective's sum `j`, in the problem's own units.
-    pub(crate) fn total(&self, j: usize) -> f64 {
-        let Sum { slot, factor, offset } = self.traced.sums[j];
-        factor * self.totals[slot] + offset
-    }
-
-    /// Number of sums.
-    pub(crate) fn len(&self) -> usize {
-        self.traced.sums.len()
-    }
-
-    /// What was worked out for each trajectory, summed over them.
-    pub(crate) const fn folded(&self) -> f64 {
-        self.folded
-    }
-
-    /// The objective's count in each trajectory.
-    pub(crate) fn counts(&self) -> &[f64] {
-        &self.traced.counts
-    }
-
-    /// The count, pooled.
-    pub(crate) fn count(&self) -> f64 {
-        self.traced.counts.iter().sum()
     }
 }

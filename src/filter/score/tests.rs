@@ -3,7 +3,7 @@
 use crate::data::{Log, Table, Trajectory};
 use crate::evaluate::{CpuEvaluator, CpuOptions, Evaluation, Evaluator, Population, Precision, Status};
 use crate::model::Problem;
-use crate::objective::Constraint;
+use crate::objective::{Constraint, Kind, Objective};
 use crate::reference;
 
 const NAN: f64 = f64::NAN;
@@ -162,4 +162,47 @@ fn a_bound_on_what_has_no_value_is_not_met() {
     let log = log(&[&[[1.0, 2.0, 0.5, 1.5], [NAN, 1.0, 0.5, 1.5]]]);
     let found = evaluate(&problem, &log, [0.0, 0.5]);
     assert!(found.violation(0).is_infinite(), "{}", found.violation(0));
+}
+
+/// One row ahead is the innovation, in rows of every kind and after a start from a measurement.
+#[test]
+fn a_prediction_of_one_row_is_the_innovation_to_the_bit() {
+    let rows = [[1.0, 2.0, NAN, NAN], [NAN, 1.0, NAN, NAN], [3.0, 1.5, NAN, NAN], [NAN; 4], [2.0, NAN, NAN, NAN]];
+    let log = log(&[&rows, &rows[2..], &rows[..1]]);
+    for skip in [0, 1] {
+        let one = format!(
+            "[{{ name = \"mse_innovation\", skip = {skip} }}, {{ name = \"prediction\", ahead = 1, skip = {skip} }}]"
+        );
+        for x0 in ["x0 = [0, 0]", "x0 = \"measurement\""] {
+            let text = problem(&one).text.replace("x0 = [0, 0]", x0);
+            let problem = Problem::parse(&text, "one.toml").unwrap();
+            for precision in [Precision::F64, Precision::F32] {
+                let options = CpuOptions { precision, ..CpuOptions::default() };
+                let mut lanes = CpuEvaluator::new(&problem, &log, options).unwrap();
+                let found = lanes.evaluate(&Population::from_rows(2, vec![0.5, 0.7]));
+                let [mse, prediction] = [0, 1].map(|i| found.costs(0)[i].to_bits());
+                assert_eq!(mse, prediction, "{x0}, skip {skip}, {precision}: {:?}", found.costs(0));
+            }
+            let [mse, prediction] = reference::costs(&problem, &log, &[0.5, 0.7]).unwrap()[..] else { panic!("two") };
+            assert_eq!(mse.to_bits(), prediction.to_bits(), "reference: {mse} and {prediction}");
+        }
+    }
+}
+
+/// What objectives and constraints share is carried once.
+#[test]
+fn a_memory_is_shared() {
+    let rows = [[1.0, 2.0, NAN, NAN], [NAN, 1.0, NAN, NAN], [3.0, 1.5, NAN, NAN], [0.5, 0.5, NAN, NAN]];
+    let log = log(&[&rows]);
+    let carried = |objectives: &[Objective]| {
+        let program = crate::filter::trace(&problem("[\"nll\"]"), &log, objectives, None).unwrap();
+        let memory = program.carried().iter().filter(|c| c.name.contains('-') && c.role == crate::filter::Role::State);
+        memory.count()
+    };
+    let whiteness = |lags| Objective { lags, ..Objective::new(Kind::Whiteness) };
+    let prediction = |ahead: &[usize]| Objective { ahead: ahead.to_vec(), ..Objective::new(Kind::Prediction) };
+    assert_eq!(carried(&[whiteness(2)]), 2 * 2, "two components");
+    assert_eq!(carried(&[whiteness(2), whiteness(3)]), 2 * 3);
+    assert_eq!(carried(&[prediction(&[1])]), 0, "the innovation needs none");
+    assert_eq!(carried(&[prediction(&[2, 3]), prediction(&[3])]), 2 * 2, "two states");
 }

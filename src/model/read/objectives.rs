@@ -7,10 +7,13 @@ use crate::objective::{Kind, Objective};
 use crate::words::shorten;
 
 /// The keys of what an objective or a constraint counts.
-pub(super) const OPTIONS: [&str; 5] = ["states", "skip", "window", "ct", "lags"];
+pub(super) const OPTIONS: [&str; 6] = ["states", "skip", "window", "ct", "lags", "ahead"];
 
 /// Most lags of `whiteness`: each is a number that every candidate carries.
 const LAGS: u32 = 64;
+
+/// Most rows that `prediction` looks ahead: a candidate carries all states for each.
+const AHEAD: u32 = 64;
 
 /// Reads `objectives`: a list of different ones, at least one.
 pub(super) fn read(node: &Node<'_>, data: &DataSpec, states: &[String]) -> Result<Vec<Objective>, Fault> {
@@ -59,9 +62,11 @@ pub(super) fn with_options(
     refuse("window", kind == Kind::Mismatch)?;
     refuse("ct", kind == Kind::Mismatch)?;
     refuse("lags", kind == Kind::Whiteness)?;
+    refuse("ahead", kind == Kind::Prediction)?;
     objective.skip = fields.optional("skip", |n| n.count(0, u32::MAX))?.unwrap_or(0);
     objective.window = fields.optional("window", |n| n.count(1, u32::MAX))?.unwrap_or(objective.window);
     objective.lags = fields.optional("lags", |n| n.count(1, LAGS))?.unwrap_or(objective.lags);
+    objective.ahead = fields.optional("ahead", read_ahead)?.unwrap_or_default();
     objective.ct_last = match fields.optional("ct", |n| Ok((n.clone(), n.string()?)))? {
         None | Some((_, "mean")) => false,
         Some((_, "last")) => true,
@@ -82,6 +87,26 @@ pub(super) fn kind(node: &Node<'_>, name: &str, what: &'static str, kinds: &[(&s
         let known = kinds.iter().map(|(known, _)| (*known).to_owned()).collect();
         Cause::NoSuch { key: node.key.clone(), what, name: shorten(name), nearest, known }
     })
+}
+
+/// `5` or `[1, 5, 20]`: different distances in rows.
+fn read_ahead(node: &Node<'_>) -> Result<Vec<usize>, Fault> {
+    if !node.value.is_array() {
+        return Ok(vec![node.count(1, AHEAD)?]);
+    }
+    let entries = node.list("a number of rows, or a list of them")?;
+    if entries.is_empty() {
+        return Err(node.wrong_count(0, "at least one number of rows, such as [1, 5]"));
+    }
+    let mut ahead = Vec::with_capacity(entries.len());
+    for entry in &entries {
+        let rows = entry.count(1, AHEAD)?;
+        if ahead.contains(&rows) {
+            return Err(entry.invalid(format!("{rows} rows ahead are listed twice: remove one")));
+        }
+        ahead.push(rows);
+    }
+    Ok(ahead)
 }
 
 /// Indices of named states, each with truth.

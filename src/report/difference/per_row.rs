@@ -29,13 +29,14 @@ pub(super) fn per_row(problem: &Problem, held_out: &HeldOut, candidate: &[f64]) 
         problem.model.states.iter().map(|state| log.truth.iter().position(|name| name == state)).collect();
     let objectives = &problem.tune.objectives;
     let mut all = vec![PerRow::default(); objectives.len()];
-    let mut parts: Vec<Parts> = objectives.iter().map(|_| Parts::default()).collect();
+    let mut parts: Vec<Parts> = objectives.iter().map(|objective| Parts::new(problem, candidate, objective)).collect();
     let run = reference::visit(problem, log, candidate, &mut |trajectory, step| {
         let known = log.trajectories[trajectory].truth.row(step.row);
         let error = |state: usize| truth[state].map(|column| step.posterior.x[state] - known[column]);
         for ((objective, rows), parts) in objectives.iter().zip(&mut all).zip(&mut parts) {
-            if step.row >= held_out.from[trajectory] && step.row >= objective.skip {
-                parts.add(objective, trajectory, step);
+            let scores = step.row >= held_out.from[trajectory] && step.row >= objective.skip;
+            parts.add(objective, (trajectory, &log.trajectories[trajectory]), step, scores);
+            if scores {
                 rows.rows.extend(share(objective, step, &error).map(|(value, weight)| (trajectory, value, weight)));
             }
         }
@@ -44,7 +45,7 @@ pub(super) fn per_row(problem: &Problem, held_out: &HeldOut, candidate: &[f64]) 
     for ((objective, rows), parts) in objectives.iter().zip(&mut all).zip(&parts) {
         match objective.kind {
             Kind::Mismatch => rows.keep_window(objective),
-            Kind::NisDistribution | Kind::Whiteness => rows.rows = parts.linearised(objective),
+            Kind::NisDistribution | Kind::Whiteness | Kind::Prediction => rows.rows = parts.linearised(objective),
             _ => {}
         }
     }
@@ -60,7 +61,7 @@ fn share(objective: &Objective, step: &Step, error: &impl Fn(usize) -> Option<f6
         Kind::MseInnovation => step.update.as_ref().map(|update| (update.nu.norm_squared(), components(update))),
         Kind::Mismatch => step.update.as_ref().map(|update| (update.nu.norm_squared(), update.s.trace())),
         Kind::Nis | Kind::NisMean => step.update.as_ref().map(|update| (update.nis, components(update))),
-        Kind::NisDistribution | Kind::Whiteness => None,
+        Kind::NisDistribution | Kind::Whiteness | Kind::Prediction => None,
         Kind::Nees | Kind::NeesMean => step.nees.map(|nees| (nees, states as f64)),
         Kind::Rmse | Kind::Distance => {
             let all: Vec<usize> = (0..states).filter(|state| error(*state).is_some()).collect();
@@ -99,7 +100,12 @@ impl PerRow {
                 let each: Vec<f64> = self.mismatches().collect();
                 each.iter().sum::<f64>() / each.len() as f64
             }
-            Kind::MseInnovation | Kind::NisMean | Kind::NeesMean | Kind::NisDistribution | Kind::Whiteness => mean,
+            Kind::MseInnovation
+            | Kind::NisMean
+            | Kind::NeesMean
+            | Kind::NisDistribution
+            | Kind::Whiteness
+            | Kind::Prediction => mean,
         }
     }
 
@@ -125,7 +131,12 @@ impl PerRow {
             Kind::Nis | Kind::Nees => (mean - 1.0).signum(),
             Kind::Rmse => 0.5 / mean.sqrt(),
             Kind::Mismatch => return self.influence_on_mismatch(),
-            Kind::MseInnovation | Kind::NisMean | Kind::NeesMean | Kind::NisDistribution | Kind::Whiteness => 1.0,
+            Kind::MseInnovation
+            | Kind::NisMean
+            | Kind::NeesMean
+            | Kind::NisDistribution
+            | Kind::Whiteness
+            | Kind::Prediction => 1.0,
         };
         let of = |row: &(usize, f64, f64)| slope * (row.1 - mean * row.2) / weight;
         Influence { rows: self.trajectories().map(|rows| rows.iter().map(of).collect()).collect(), trajectories: None }

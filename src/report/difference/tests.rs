@@ -29,7 +29,7 @@ fn difference(problem: &Problem, held_out: &HeldOut, baseline: &[f64], winner: &
 #[test]
 fn rows_add_up_to_the_objectives() {
     let objectives = "[\"nll\", { name = \"mse_innovation\", skip = 30 }, \"nis\", \"nis_distribution\", \
-                      { name = \"whiteness\", lags = 3 }, \"nees\", \"rmse\", \"distance\", \
+                      { name = \"whiteness\", lags = 3 }, { name = \"prediction\", ahead = [1, 4] }, \"nees\", \"rmse\", \"distance\", \
                       { name = \"mismatch\", window = 7 }]";
     let last = objectives.replace("window = 7", "window = 9, ct = \"last\"");
     for validate in ["validate = { share = 0.5, by = \"time\" }", "validate = 0.4"] {

@@ -155,14 +155,18 @@ impl Canon {
     }
 
     fn objective(&mut self, objective: &Objective) {
-        let Objective { kind, states, skip, window, ct_last, lags } = objective;
+        let Objective { kind, states, skip, window, ct_last, lags, ahead: _ } = objective;
         self.list(kind.name(), states, |canon, state| canon.0.number(*state as u64));
         for number in [*skip as u64, *window as u64, u64::from(*ct_last)] {
             self.0.number(number);
         }
         // Objectives without them keep the identity that they had before there were any.
-        if *kind == Kind::Whiteness {
-            self.0.number(*lags as u64);
+        match kind {
+            Kind::Whiteness => self.0.number(*lags as u64),
+            Kind::Prediction => {
+                self.list("ahead", objective.horizons(), |canon, ahead| canon.0.number(*ahead as u64));
+            }
+            _ => {}
         }
     }
 

@@ -3,9 +3,10 @@
 use crate::case::{Case, Text};
 use crate::logs::{Gap, Interval, Shape};
 
-const DEFAULTS: &str = r#"["nis_distribution", "whiteness"]"#;
+const DEFAULTS: &str = r#"["nis_distribution", "whiteness", "prediction"]"#;
 
-const OPTIONS: &str = r#"[{ name = "nis_distribution", skip = 3 }, { name = "whiteness", lags = 23, skip = 2 }]
+const OPTIONS: &str = r#"[{ name = "nis_distribution", skip = 3 }, { name = "whiteness", lags = 23, skip = 2 },
+    { name = "prediction", ahead = [7, 1, 4], skip = 6 }, { name = "mse_innovation", skip = 6 }]
 constraints = [{ name = "whiteness", lags = 5, skip = 2, max = 1 }]"#;
 
 const SHAPES: [(&str, Shape); 6] = [

@@ -29,6 +29,15 @@ fn options_of_objectives_have_their_ranges() {
     for (objective, message) in [
         ("{ name = \"whiteness\", lags = 0 }", "`tune.objectives[1].lags` is 0: expected a whole number from 1 to 64"),
         (
+            "{ name = \"prediction\", ahead = 65 }",
+            "`tune.objectives[1].ahead` is 65: expected a whole number from 1 to 64",
+        ),
+        (
+            "{ name = \"prediction\", ahead = [5, 5] }",
+            "`tune.objectives[1].ahead[2]`: 5 rows ahead are listed twice: remove one",
+        ),
+        ("{ name = \"prediction\", ahead = [] }", "at least one number of rows, such as [1, 5]"),
+        (
             "{ name = \"nll\", lags = 5 }",
             "`tune.objectives[1].lags`: it does not apply to the objective `nll`: remove it",
         ),

@@ -36,15 +36,14 @@ fn seventy_thousand_rows_take_several_chunks() {
 #[test]
 fn a_memory_goes_from_chunk_to_chunk() {
     let Some(adapter) = adapter() else { return };
-    let objectives =
-        "[\"nis_distribution\", { name = \"whiteness\", lags = 12 }, { name = \"prediction\", ahead = [1, 6] }]";
-    let text = Text { objectives, ..VELOCITY };
+    let two = "{ name = \"whiteness\", lags = 12 }, { name = \"prediction\", ahead = [1, 6] }";
     let shape = Shape::regular(&[40, 20_000, 30]).without(&[Gap::Components(0.1)]);
-    let case = Case::new("memory over chunks", &text, shape, 9);
-    let costs = case.reference();
-    for precision in [Precision::F32, Precision::F64] {
+    // WGSL has no exp in f64, which the distribution of the NIS needs.
+    for (precision, first) in [(Precision::F32, "\"nis_distribution\", "), (Precision::F64, "")] {
+        let case =
+            Case::new("memory over chunks", &Text { objectives: &format!("[{first}{two}]"), ..VELOCITY }, shape, 9);
         let found = gpu(&case, &options(&adapter, precision)).evaluate(&case.population);
-        let error = worst(&case, &costs, &found, single);
+        let error = worst(&case, &case.reference(), &found, single);
         println!("{} {precision}: {error:.1e} of the promise of f32", case.name);
         assert!(error < 1.0, "{precision}: {error:.2e} times the promise");
     }

@@ -105,11 +105,11 @@ mod tests {
                 phi.iter().enumerate().for_each(|(j, b)| products[i][j] += a * b / f64::from(n));
             }
         }
-        for i in 0..4 {
-            assert!(means[i].abs() < 1e-8, "mean of {i}: {}", means[i]);
-            for j in 0..4 {
+        for (i, (mean, row)) in means.iter().zip(&products).enumerate() {
+            assert!(mean.abs() < 1e-8, "mean of {i}: {mean}");
+            for (j, product) in row.iter().enumerate() {
                 let expected = f64::from(u8::from(i == j));
-                assert!((products[i][j] - expected).abs() < 1e-8, "{i} {j}: {}", products[i][j]);
+                assert!((product - expected).abs() < 1e-8, "{i} {j}: {product}");
             }
         }
     }

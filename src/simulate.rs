@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::data::{Log, Table, Times, Trajectory};
 use crate::model::{First, Problem, SimulateSpec};
 use crate::random::{Purpose, Stream};
-use crate::reference::{Affine, Formulas, wrapped};
+use crate::reference::{Affine, Formulas};
 use nalgebra::{DMatrix, DVector};
 use rand_distr::{Distribution, StandardNormal};
 
@@ -181,11 +181,8 @@ impl<'a> System<'a> {
             Some(h) => &h.matrix * x + &h.offset,
             None => self.formulas.measured(x.as_slice(), &[]),
         };
-        let mut z = exact + &self.r * normals;
-        for angle in &self.formulas.angles.measurements {
-            z[*angle] = wrapped(z[*angle]);
-        }
-        z
+        let z = exact + &self.r * normals;
+        z.map_with_location(|i, _, z| self.formulas.angles.between_measurements(i, z))
     }
 
     fn with_gaps(&self, z: DVector<f64>, draws: Draws, row: usize) -> Vec<f64> {

@@ -154,7 +154,7 @@ pub(super) fn call(function: Function, a: f64, b: f64) -> f64 {
 }
 
 /// The angle in [-pi, pi), from its sine and cosine where it is not there already.
-fn wrap(a: f64) -> f64 {
+pub(super) fn wrap(a: f64) -> f64 {
     if (-PI..PI).contains(&a) {
         return a;
     }

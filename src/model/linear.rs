@@ -2,6 +2,14 @@
 
 use super::{Binary, Expr, ExprKind, Symbol};
 
+impl Expr {
+    /// Whether it is affine in the states, by its form: `x * x - x * x` is not.
+    #[must_use]
+    pub fn is_affine(&self) -> bool {
+        check(self).is_ok()
+    }
+}
+
 /// `Ok` if affine; otherwise the smallest sub-formula that is not.
 pub(super) fn check(formula: &Expr) -> Result<(), &Expr> {
     uses_states(formula).map(|_| ())

@@ -1,5 +1,6 @@
 //! A problem: data, model, parameters, filter, and how to tune.
 
+use super::evaluate::wrap;
 use super::{Expr, FilterKind, Parameters, Span};
 use crate::data::DataSpec;
 use crate::objective::{Constraint, Objective};
@@ -76,6 +77,18 @@ impl Angles {
     #[must_use]
     pub fn measurement(&self, i: usize) -> bool {
         self.measurements.contains(&i)
+    }
+
+    /// A difference of two values of state `i`, in [-pi, pi) where it is an angle.
+    #[must_use]
+    pub fn between_states(&self, i: usize, difference: f64) -> f64 {
+        if self.state(i) { wrap(difference) } else { difference }
+    }
+
+    /// A difference of two values of measurement `i`, in [-pi, pi) where it is an angle.
+    #[must_use]
+    pub fn between_measurements(&self, i: usize, difference: f64) -> f64 {
+        if self.measurement(i) { wrap(difference) } else { difference }
     }
 }
 
@@ -175,6 +188,12 @@ pub struct SimulateSpec {
 }
 
 impl Model {
+    /// Whether f and h are affine in the states, by their form.
+    #[must_use]
+    pub fn is_affine(&self) -> bool {
+        self.f.iter().chain(&self.h).all(Expr::is_affine)
+    }
+
     /// The same model, wherever its formulas stand in the file: what two files have to agree in to mean the same.
     #[must_use]
     pub fn without_spans(&self) -> Self {

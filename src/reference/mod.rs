@@ -6,7 +6,6 @@
 
 mod adapt;
 mod amplification;
-mod angle;
 mod estimate;
 mod evaluate;
 mod failure;
@@ -29,7 +28,6 @@ mod uniformity;
 mod whiteness;
 
 pub use amplification::amplification;
-pub(crate) use angle::wrapped;
 pub use estimate::{Estimate, Update};
 pub use evaluate::{Scope, evaluate, gradient};
 pub use failure::{Cause, Failure};

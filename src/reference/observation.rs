@@ -4,7 +4,6 @@ use nalgebra::{DMatrix, DVector};
 
 use super::Cause;
 use super::adapt::{Adaptation, Evidence};
-use super::angle::wrapped;
 use super::estimate::{Update, count, same};
 use super::matrices::{Affine, Formulas};
 use super::square_root::{root, solve_transposed, square, triangularise};
@@ -131,10 +130,9 @@ impl Observation {
         let nu = &mut self.update.nu;
         nu.gemv(-1.0, &self.h.matrix, x, 1.0);
         for (i, component) in self.update.present.iter().enumerate() {
-            if formulas.angles.measurement(*component) {
-                self.turns[i] = wrapped(nu[i]) - nu[i];
-                nu[i] = wrapped(nu[i]);
-            }
+            let wrapped = formulas.angles.between_measurements(*component, nu[i]);
+            self.turns[i] = wrapped - nu[i];
+            nu[i] = wrapped;
         }
     }
 
@@ -144,9 +142,7 @@ impl Observation {
         self.difference(z);
         let nu = &mut self.update.nu;
         for (i, component) in self.update.present.iter().enumerate() {
-            if formulas.angles.measurement(*component) {
-                nu[i] = wrapped(nu[i]);
-            }
+            nu[i] = formulas.angles.between_measurements(*component, nu[i]);
         }
         nu.gemv(-1.0, &self.h.matrix, away, 1.0);
         self.applied.clone_from(nu);

@@ -4,7 +4,6 @@
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::Cause;
-use super::angle::wrapped;
 use super::estimate::{Estimate, Noise, Update, count, symmetrise};
 use super::filter::{Filter, State, Taken};
 use super::matrices::{Affine, Formulas};
@@ -91,9 +90,7 @@ impl SigmaPoints {
 /// Components of a measurement that are angles, in [-pi, pi).
 fn wrap_angles(formulas: &Formulas, present: &[usize], mut values: DVector<f64>) -> DVector<f64> {
     for (value, component) in values.iter_mut().zip(present) {
-        if formulas.angles.measurement(*component) {
-            *value = wrapped(*value);
-        }
+        *value = formulas.angles.between_measurements(*component, *value);
     }
     values
 }

@@ -22,8 +22,8 @@ pub struct Steady {
     pub p_posterior: DMatrix<f64>,
 }
 
-/// The steady state for intervals of `dt` \[s\] with every measurement present and inputs at zero; `None` when R is
-/// singular or the recursion does not settle (an unstable state that is not seen, or one that nothing drives).
+/// The steady state for intervals of `dt` \[s\] with every measurement present and inputs at zero; `None` when f or h is not
+/// affine, R is singular, or the recursion does not settle (an unstable state that is not seen, or one that nothing drives).
 ///
 /// Structured doubling for P = F P F' - F P H' (H P H' + R)^-1 H P F' + Q: step j of it is step 2^j of the recursion
 /// (Chu, Fan, Lin and Wang 2004, doi:10.1080/00207170410001714988). One plain step checks the result.
@@ -32,6 +32,9 @@ pub struct Steady {
 /// If `candidate` does not have one value per searched parameter.
 #[must_use]
 pub fn steady_gain(problem: &Problem, candidate: &[f64], dt: f64) -> Option<Steady> {
+    if !problem.model.is_affine() {
+        return None;
+    }
     let matrices = Matrices::of(problem, candidate, dt);
     let p_prior = doubling(&matrices)?;
     let steady = update(&matrices, &p_prior)?;

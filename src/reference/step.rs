@@ -2,7 +2,6 @@
 
 use nalgebra::DVector;
 
-use super::angle::wrapped;
 use super::estimate::{Estimate, Update};
 use super::filter::State;
 use super::square_root::solve_transposed;
@@ -76,8 +75,7 @@ impl Truth {
     /// Error of state `i` at a row, of an angle in [-pi, pi); `None` where its truth is unknown.
     pub(super) fn error(&self, trajectory: &Trajectory, row: usize, i: usize, x: &DVector<f64>) -> Option<f64> {
         let truth = trajectory.truth.row(row)[self.column[i]?];
-        let error = x[i] - truth;
-        (!truth.is_nan()).then(|| if self.angles.state(i) { wrapped(error) } else { error })
+        (!truth.is_nan()).then(|| self.angles.between_states(i, x[i] - truth))
     }
 
     /// e' P^-1 e where truth of all states is there; NaN when P is not positive definite.

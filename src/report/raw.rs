@@ -20,12 +20,14 @@ pub fn raw_rmse(problem: &Problem, log: &Log, from: &[usize], objective: &Object
     // (measurement column, truth column) of each state.
     let columns: Vec<(usize, usize)> =
         objective.states.iter().map(|&state| direct(problem, log, state)).collect::<Option<_>>()?;
+    let angles = &problem.model.angles;
     let mut sum = 0.0;
     let mut rows = 0_u32;
     for (index, trajectory) in log.trajectories.iter().enumerate() {
         for k in objective.skip.max(from[index])..trajectory.len() {
             let (z, truth) = (trajectory.z.row(k), trajectory.truth.row(k));
-            let squared: f64 = columns.iter().map(|&(i, j)| (z[i] - truth[j]).powi(2)).sum();
+            let squared: f64 =
+                columns.iter().map(|&(i, j)| angles.between_measurements(i, z[i] - truth[j]).powi(2)).sum();
             if !squared.is_nan() {
                 sum += squared;
                 rows += 1;

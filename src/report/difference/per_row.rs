@@ -32,7 +32,10 @@ pub(super) fn per_row(problem: &Problem, held_out: &HeldOut, candidate: &[f64]) 
     let mut parts: Vec<Parts> = objectives.iter().map(|objective| Parts::new(problem, candidate, objective)).collect();
     let run = reference::visit(problem, log, candidate, &mut |trajectory, step| {
         let known = log.trajectories[trajectory].truth.row(step.row);
-        let error = |state: usize| truth[state].map(|column| step.posterior.x[state] - known[column]);
+        let angles = &problem.model.angles;
+        let error = |state: usize| {
+            truth[state].map(|column| angles.between_states(state, step.posterior.x[state] - known[column]))
+        };
         for ((objective, rows), parts) in objectives.iter().zip(&mut all).zip(&mut parts) {
             let scores = step.row >= held_out.from[trajectory] && step.row >= objective.skip;
             parts.add(objective, (trajectory, &log.trajectories[trajectory]), step, scores);

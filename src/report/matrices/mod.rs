@@ -83,26 +83,35 @@ impl Matrix {
     }
 }
 
-/// The model's matrices for one candidate: x' = F x + f0 + w, z = H x + h0 + v.
+/// The model's matrices for one candidate: x' = F x + f0 + w, z = H x + h0 + v. Where f or h is not affine it stands there as
+/// formulas of the states: x' = f + w, z = h + v.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[expect(non_snake_case, reason = "Kalman notation: F, H, Q, R, K")]
 pub struct Matrices {
     /// The log's interval \[s\], which F, Q and K are for; `None` where it differs from row to row, and `dt` stands in
     /// formulas.
     pub dt: Option<f64>,
-    /// Transition, n x n.
-    pub F: Matrix,
+    /// Transition, n x n; `None` where f is not affine.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub F: Option<Matrix>,
     /// What the transition adds that no state is part of, n x 1; `None` where it is 0.
     pub f0: Option<Matrix>,
-    /// Measurement, m x n.
-    pub H: Matrix,
+    /// The transition itself where it is not affine, n x 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub f: Option<Matrix>,
+    /// Measurement, m x n; `None` where h is not affine.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub H: Option<Matrix>,
     /// What a measurement holds that no state is part of, m x 1; `None` where it is 0.
     pub h0: Option<Matrix>,
+    /// The measurement itself where it is not affine, m x 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub h: Option<Matrix>,
     /// Process noise covariance of one step, n x n; where it is adapted, of the first.
     pub Q: Matrix,
     /// Measurement noise covariance, m x m; where it is adapted, of the first row.
     pub R: Matrix,
-    /// Names of those of F, f0, H, h0, Q and R that change from row to row: they have formulas for entries.
+    /// Names of those of F, f0, f, H, h0, h, Q and R that change from row to row: they have formulas for entries.
     pub varies: Vec<&'static str>,
     /// The gain that the filter settles to, n x m; `None` where there is none.
     pub K: Option<Matrix>,
@@ -140,20 +149,24 @@ impl Matrices {
         let filled = |list: &[Expr]| list.iter().map(|e| formula::filled(e, &parameters, dt)).collect::<Vec<Expr>>();
         let [f, h, q, r] = [&model.f, &model.h, &model.q, &model.r].map(|list| filled(list));
         let (n, m) = (model.states.len(), model.measurements.len());
+        let affine = |list: &[Expr]| list.iter().all(Expr::is_affine);
         let linear = |list: &[Expr]| {
             let entries = list.iter().flat_map(|e| (0..n).map(move |state| formula::coefficient(e, state)));
-            Matrix::of(&entries.collect::<Vec<_>>(), n, problem)
+            affine(list).then(|| Matrix::of(&entries.collect::<Vec<_>>(), n, problem))
         };
+        let whole = |list: &[Expr]| (!affine(list)).then(|| Matrix::of(list, 1, problem));
         let constant = |list: &[Expr]| {
             let matrix = Matrix::of(&list.iter().map(formula::offset).collect::<Vec<_>>(), 1, problem);
-            (!matrix.rows.iter().flatten().all(Entry::is_zero)).then_some(matrix)
+            (affine(list) && !matrix.rows.iter().flatten().all(Entry::is_zero)).then_some(matrix)
         };
         let mut found = Self {
             dt,
             F: linear(&f),
             f0: constant(&f),
+            f: whole(&f),
             H: linear(&h),
             h0: constant(&h),
+            h: whole(&h),
             Q: Matrix::of(&q, n, problem),
             R: Matrix::of(&r, m, problem),
             varies: Vec::new(),
@@ -170,8 +183,10 @@ impl Matrices {
 
     /// Gives the gain where matrices that stay as they are lead to one.
     fn settle(&mut self, problem: &Problem, candidate: &[f64]) {
-        let varies = [&self.F, &self.H, &self.Q, &self.R].iter().any(|matrix| matrix.varies());
-        if varies || problem.filter.facts().adapts != Adapts::Nothing {
+        let offset = |name: &str| name == "f0" || name == "h0";
+        let varies = self.all().any(|(name, matrix)| !offset(name) && matrix.varies());
+        let affine = self.f.is_none() && self.h.is_none();
+        if varies || !affine || problem.filter.facts().adapts != Adapts::Nothing {
             return;
         }
         // Without an interval nothing depends on it, or an entry would vary.
@@ -182,10 +197,11 @@ impl Matrices {
 
     /// Every matrix but the gain, with its name.
     fn all(&self) -> impl Iterator<Item = (&'static str, &Matrix)> {
-        let Self { F, f0, H, h0, Q, R, .. } = self;
-        [("F", Some(F)), ("f0", f0.as_ref()), ("H", Some(H)), ("h0", h0.as_ref()), ("Q", Some(Q)), ("R", Some(R))]
-            .into_iter()
-            .filter_map(|(name, matrix)| Some((name, matrix?)))
+        let Self { F, f0, f, H, h0, h, Q, R, .. } = self;
+        let model = [("F", F), ("f0", f0), ("f", f), ("H", H), ("h0", h0), ("h", h)];
+        let noise = [("Q", Some(Q)), ("R", Some(R))];
+        let model = model.into_iter().map(|(name, matrix)| (name, matrix.as_ref()));
+        model.chain(noise).filter_map(|(name, matrix)| Some((name, matrix?)))
     }
 }
 

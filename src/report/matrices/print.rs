@@ -94,7 +94,7 @@ impl Matrices {
             "H" => (measurements, states),
             "R" => (measurements, measurements),
             "K" => (states, measurements),
-            "f0" => (states, &[]),
+            "f0" | "f" => (states, &[]),
             _ => (measurements, &[]),
         };
         let of = format!("{} x {}", matrix.rows.len(), matrix.rows.first().map_or(0, Vec::len));

@@ -66,10 +66,10 @@ fn parameters_are_filled_in_and_offsets_shown() {
     let scaled = REGRESSION.replace("level + b1*X1 + b2*X2", "level*r*X1/4 - 2 - X2");
     let csv = "week,Y,X1,X2\n1,1,2,3\n2,1,2,4\n3,1,5,4\n";
     let found = matrices(&scaled.replace("start = 1 }", "start = 2 }"), csv);
-    assert_eq!(found.H.to_string(), "[[0.5*X1,      0,      0]]");
+    assert_eq!(found.H.as_ref().unwrap().to_string(), "[[0.5*X1,      0,      0]]");
     assert_eq!(found.h0.unwrap().to_string(), "[[-2 - X2]]");
     let found = matrices(&REGRESSION.replace("level + b1*X1 + b2*X2", "q*X1"), csv);
-    assert_eq!((found.H.to_string().as_str(), found.gain), ("[[0, 0, 0]]", Gain::Unsettled));
+    assert_eq!((found.H.as_ref().unwrap().to_string().as_str(), found.gain), ("[[0, 0, 0]]", Gain::Unsettled));
     assert_eq!(found.h0.as_ref().map(ToString::to_string).as_deref(), Some("[[0.1*X1]]"));
     assert_eq!(found.varies, ["h0"]);
 }
@@ -97,12 +97,41 @@ objectives = ["nll"]
 "#;
     let found = matrices(text, "t,z\n0,1\n1,1\n3,2\n");
     assert_eq!((found.dt, &found.varies[..]), (None, &["F", "Q"][..]));
-    assert_eq!(found.F.to_string(), "[[ 1, dt],\n [ 0,  1]]");
+    assert_eq!(found.F.as_ref().unwrap().to_string(), "[[ 1, dt],\n [ 0,  1]]");
     assert_eq!(found.Q.to_string(), "[[ 0.1*dt^3, 0.15*dt^2],\n [0.15*dt^2,    0.3*dt]]");
     assert!(found.to_string().ends_with("K changes from row to row, as F and Q do.\n"), "{found}");
     let regular = matrices(text, "t,z\n0,1\n2,1\n4,2\n");
     assert_eq!((regular.dt, regular.gain, regular.varies.len()), (Some(2.0), Gain::Steady, 0));
     assert_eq!(regular.Q.to_string(), "[[0.8, 0.6],\n [0.6, 0.6]]");
+}
+
+/// What is not affine is a formula of the states; there is no one gain, and the rest is as ever.
+#[test]
+fn what_is_not_affine_is_a_formula() {
+    let text = REGRESSION
+        .replace("level + b1*X1 + b2*X2", "q*level^2 + exp(b1*X1)*2*3")
+        .replace("[tune]", "[filter]\nkind = \"extended\"\n[tune]");
+    let found = matrices(&text, "week,Y,X1,X2\n1,1,2,3\n2,1,2,4\n3,1,5,4\n");
+    assert_eq!(
+        found.to_string(),
+        "F = [[1, 0, 0],\n     [0, 1, 0],\n     [0, 0, 1]]\nh = [[0.1*level^2 + 6*exp(b1*X1)]]\n\
+         Q = [[0.1,   0,   0],\n     [  0, 0.1,   0],\n     [  0,   0, 0.1]]\nR = [[1]]\n\
+         K changes from row to row, as h does.\n"
+    );
+    let json = serde_json::to_value(&found).unwrap();
+    assert_eq!((&json["h"], &json["gain"]), (&serde_json::json!([["0.1*level^2 + 6*exp(b1*X1)"]]), &"varies".into()));
+    assert!(json.get("H").is_none() && json.get("f").is_none(), "{json}");
+    let problem = Problem::parse(&text, "p.toml").unwrap();
+    assert_eq!(reference::steady_gain(&problem, &problem.parameters.baseline(), 1.0), None);
+}
+
+/// A filter for any f and h on an affine model has its matrices and its gain.
+#[test]
+fn an_affine_model_has_matrices_whatever_its_filter() {
+    let linear = REGRESSION.replace("level + b1*X1 + b2*X2", "level + b1 + 2*b2");
+    let csv = "week,Y,X1,X2\n1,1,2,3\n2,1,2,4\n3,1,5,4\n";
+    let cubature = linear.replace("[tune]", "[filter]\nkind = \"cubature\"\n[tune]");
+    assert_eq!(matrices(&linear, csv), matrices(&cubature, csv));
 }
 
 #[test]
@@ -139,8 +168,12 @@ fn values_are_those_of_the_reference() {
         let found = Matrices::of(&problem, &log, &candidate);
         let dt = log.regular_dt().expect("a regular example");
         let reference = reference::Matrices::of(&problem, &candidate, dt);
-        let pairs =
-            [(&found.F, reference.f), (&found.H, reference.h), (&found.Q, reference.q), (&found.R, reference.r)];
+        let pairs = [
+            (found.F.as_ref().unwrap(), reference.f),
+            (found.H.as_ref().unwrap(), reference.h),
+            (&found.Q, reference.q),
+            (&found.R, reference.r),
+        ];
         for (matrix, expected) in pairs.iter().filter(|(matrix, _)| !matrix.varies()) {
             for (i, row) in matrix.rows.iter().enumerate() {
                 for (j, entry) in row.iter().enumerate() {

@@ -4,12 +4,14 @@ use super::fan::{DOTS, Fan};
 use super::plan::{Axes, MOST, Plan};
 use crate::chart::{Envelope, longest};
 use crate::data::{Log, Trajectory};
+use crate::model::{Angles, Model};
 use crate::reference::{Step, Update};
 
 /// One trajectory over time.
 #[derive(Debug, Clone)]
 pub(super) struct Track {
     pub(super) trajectory: usize,
+    angles: Angles,
     nis_sum: f64,
     components: usize,
     pub(super) states: Vec<StateSeries>,
@@ -143,14 +145,15 @@ impl MeasurementSeries {
 }
 
 impl Track {
-    pub(super) fn new(trajectory: usize, log: &Log, states: &[String], axes: Option<Axes>) -> Self {
+    pub(super) fn new(trajectory: usize, log: &Log, model: &Model, axes: Option<Axes>) -> Self {
         let of: &Trajectory = &log.trajectories[trajectory];
         let measured = times_where(of, |k| of.z.row(k).iter().any(|z| !z.is_nan()));
         Self {
             trajectory,
+            angles: model.angles.clone(),
             nis_sum: 0.0,
             components: 0,
-            states: states.iter().take(MOST).map(|name| StateSeries::new(log, of, name)).collect(),
+            states: model.states.iter().take(MOST).map(|name| StateSeries::new(log, of, name)).collect(),
             measurements: (0..of.z.columns().min(MOST)).map(|i| MeasurementSeries::new(of, i)).collect(),
             nis: Envelope::new(of.len()),
             nis_band: Envelope::new(of.len()),
@@ -173,11 +176,13 @@ impl Track {
             series.band.push_band(time, [x - 3.0 * deviation, x + 3.0 * deviation]);
             if let Some(column) = series.truth_column {
                 let truth = trajectory.truth.row(step.row)[column];
-                series.truth.push(time, truth);
-                series.error.push(time, x - truth);
+                let error = self.angles.between_states(i, x - truth);
+                // An angle is drawn on the turn of its estimate.
+                series.truth.push(time, if self.angles.state(i) { x - error } else { truth });
+                series.error.push(time, error);
                 series.deviation.push_band(time, [-3.0 * deviation, 3.0 * deviation]);
-                push(&mut series.error_fan, time, x - truth);
-                series.within.add(counts && !truth.is_nan(), (x - truth).abs() <= 3.0 * deviation);
+                push(&mut series.error_fan, time, error);
+                series.within.add(counts && !truth.is_nan(), error.abs() <= 3.0 * deviation);
             }
         }
         for (series, z) in self.measurements.iter_mut().zip(trajectory.z.row(step.row)) {

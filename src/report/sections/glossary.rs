@@ -24,6 +24,9 @@ pub(super) fn of(tuning: &Tuning) -> Section {
     if tuning.matrices.f0.is_some() || tuning.matrices.h0.is_some() {
         lines.push("f0, h0: what transition and measurement add that no state is part of");
     }
+    if tuning.matrices.f.is_some() || tuning.matrices.h.is_some() {
+        lines.push("f, h: transition and measurement as functions of the states, where these are no matrices");
+    }
     if tuning.consistency.nees.is_some() {
         lines.push("NEES: squared error of the estimate in units of its own variance, where the truth is known");
     }

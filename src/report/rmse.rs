@@ -4,7 +4,7 @@ use nalgebra::DVector;
 
 use super::Named;
 use crate::data::{Log, Trajectory};
-use crate::model::Problem;
+use crate::model::{Angles, Problem};
 
 /// Squared errors of each state that has truth, over the rows where its own truth is known.
 #[derive(Debug, Clone)]
@@ -13,6 +13,7 @@ pub struct StateErrors {
     states: Vec<(String, usize, usize)>,
     /// Sum of squared errors and number of rows.
     sums: Vec<(f64, f64)>,
+    angles: Angles,
 }
 
 impl StateErrors {
@@ -25,7 +26,7 @@ impl StateErrors {
             Some((name.clone(), state, column))
         };
         let states: Vec<_> = log.truth.iter().enumerate().filter_map(of).collect();
-        Self { sums: vec![(0.0, 0.0); states.len()], states }
+        Self { sums: vec![(0.0, 0.0); states.len()], states, angles: problem.model.angles.clone() }
     }
 
     /// An estimate of a row's state, n.
@@ -35,7 +36,7 @@ impl StateErrors {
     pub fn add(&mut self, trajectory: &Trajectory, row: usize, x: &DVector<f64>) {
         let truth = trajectory.truth.row(row);
         for ((_, state, column), (sum, rows)) in self.states.iter().zip(&mut self.sums) {
-            let error = x[*state] - truth[*column];
+            let error = self.angles.between_states(*state, x[*state] - truth[*column]);
             if !error.is_nan() {
                 *sum += error * error;
                 *rows += 1.0;

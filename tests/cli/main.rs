@@ -19,6 +19,7 @@ mod gpu;
 mod init;
 mod long_input;
 mod memory;
+mod nonlinear;
 mod output;
 mod reproduce;
 #[cfg(unix)]

@@ -83,7 +83,8 @@ pub(super) fn lower(p: &DMatrix<f64>) -> Option<DMatrix<f64>> {
         let rest = |i: usize, l: &DMatrix<f64>| p[(i, j)] - (0..j).map(|k| l[(i, k)] * l[(j, k)]).sum::<f64>();
         let pivot: f64 = rest(j, &l);
         let zero = pivot.abs() <= ROUNDING * p[(j, j)];
-        if !zero && !(pivot > 0.0 && pivot.is_finite()) {
+        let sound = zero || (pivot > 0.0 && pivot.is_finite());
+        if !sound {
             return None;
         }
         for i in j..n {

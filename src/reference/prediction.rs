@@ -4,7 +4,6 @@ use std::collections::VecDeque;
 
 use nalgebra::DVector;
 
-use super::angle::wrapped;
 use super::estimate::{Update, count};
 use super::evaluate::Scope;
 use crate::data::Trajectory;
@@ -90,8 +89,7 @@ impl Predictor {
         let scope = Scope { states: &states, parameters, inputs: trajectory.u.row(row), dt: f64::NAN };
         let mut sum = (0.0, 0);
         for (i, (formula, z)) in h.iter().zip(trajectory.z.row(row)).enumerate().filter(|(_, (_, z))| !z.is_nan()) {
-            let error = z - scope.value(formula, stack);
-            let error = if angles.measurement(i) { wrapped(error) } else { error };
+            let error = angles.between_measurements(i, z - scope.value(formula, stack));
             sum = (sum.0 + error.powi(2), sum.1 + 1);
         }
         sum

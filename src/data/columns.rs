@@ -6,7 +6,10 @@ use super::{DataSpec, LogError, Rows};
 pub(super) struct Columns {
     pub(super) time: Option<usize>,
     pub(super) trajectory: Option<usize>,
+    /// One a measurement; sensors may share some.
     pub(super) measurements: Vec<usize>,
+    /// The column that says which sensor a row is of.
+    pub(super) sensor: Option<usize>,
     pub(super) inputs: Vec<usize>,
     pub(super) truth: Vec<usize>,
 }
@@ -21,12 +24,14 @@ impl Columns {
     pub(super) fn of(spec: &DataSpec, rows: &Rows<'_>) -> Result<Self, LogError> {
         refuse_double_use(spec)?;
         let find = |role: &str, column: &str| find(rows, role, column);
-        let all = |role: &str, names: &[String]| names.iter().map(|name| find(role, name)).collect::<Result<_, _>>();
+        let all = |role: &str, names: &[&str]| names.iter().map(|name| find(role, name)).collect::<Result<_, _>>();
+        let inputs: Vec<&str> = spec.inputs.iter().map(String::as_str).collect();
         Ok(Self {
             time: spec.time.as_deref().map(|name| find("time", name)).transpose()?,
             trajectory: spec.trajectory.as_deref().map(|name| find("trajectory", name)).transpose()?,
-            measurements: all("a measurement", &spec.measurements)?,
-            inputs: all("an input", &spec.inputs)?,
+            measurements: all("a measurement", &spec.columns())?,
+            sensor: spec.sensor.as_deref().map(|name| find("the sensor of a row", name)).transpose()?,
+            inputs: all("an input", &inputs)?,
             truth: spec
                 .truth
                 .iter()
@@ -45,7 +50,13 @@ fn refuse_double_use(spec: &DataSpec) -> Result<(), LogError> {
     let mut uses: Vec<Use<'_>> = Vec::new();
     uses.extend(spec.time.as_deref().map(|c| named("time", c)));
     uses.extend(spec.trajectory.as_deref().map(|c| named("trajectory", c)));
-    uses.extend(spec.measurements.iter().map(|c| named("a measurement", c)));
+    uses.extend(spec.sensor.as_deref().map(|c| named("the sensor of a row", c)));
+    for column in spec.columns() {
+        // Sensors may share a column of measurements.
+        if spec.sensors.is_empty() || !uses.iter().any(|u| u.column == column && u.role == "a measurement") {
+            uses.push(named("a measurement", column));
+        }
+    }
     uses.extend(spec.inputs.iter().map(|c| named("an input", c)));
     uses.extend(spec.truth.iter().map(|(state, c)| named(&truth_role(state), c)));
     for (i, later) in uses.iter().enumerate() {
@@ -78,7 +89,7 @@ fn find(rows: &Rows<'_>, role: &str, column: &str) -> Result<usize, LogError> {
 }
 
 /// The name most like `wanted`, if any is like it at all.
-fn nearest<'a>(wanted: &str, names: &'a [String]) -> Option<&'a str> {
+pub(super) fn nearest<'a>(wanted: &str, names: &'a [String]) -> Option<&'a str> {
     let wanted = wanted.to_lowercase();
     let likeness = |name: &String| strsim::jaro_winkler(&wanted, &name.to_lowercase());
     let best = names.iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b)))?;

@@ -98,6 +98,30 @@ pub enum LogError {
          (times must increase strictly within a trajectory)"
     )]
     NotIncreasing { place: Place, time: Box<str>, previous: Box<str>, previous_line: u64 },
+    /// A second row of a sensor at one time.
+    #[error(
+        "{place}: sensor {sensor:?} has time {time} a second time, after line {previous_line} \
+         (times must increase strictly within a trajectory and sensor)"
+    )]
+    SecondAtOneTime { place: Place, sensor: Box<str>, time: Box<str>, previous_line: u64 },
+    /// A row of a sensor that comes too late.
+    #[error(
+        "{place}: sensor {sensor:?}: time {time} comes before {previous} of line {previous_line} \
+         (rows of all sensors stand in the order of time within a trajectory: sort the log)"
+    )]
+    Late { place: Place, sensor: Box<str>, time: Box<str>, previous: Box<str>, previous_line: u64 },
+    /// A row of a sensor that the problem does not have.
+    #[error(
+        "{place}: column {column:?}: no [[sensor]] has when = {found:?}{nearest} \
+         (add one, or list it in `ignore_sensors` of [data] to leave its rows out)"
+    )]
+    UnknownSensor { place: Place, column: Box<str>, found: Box<str>, nearest: Box<str> },
+    /// A sensor that measures nothing.
+    #[error("{file}: sensor {sensor:?} has no measurement: {reason} (correct it, or leave the sensor out)")]
+    SilentSensor { file: Box<str>, sensor: Box<str>, reason: Box<str> },
+    /// An input is missing where a sensor needs it.
+    #[error("{place}: column {column:?}: the input is missing where {measurement:?} is measured, whose h uses it")]
+    MissingSensorInput { place: Place, column: Box<str>, measurement: Box<str> },
     /// A row without a time.
     #[error("{place}: column {column:?}: the time is missing (every row needs one)")]
     MissingTime { place: Place, column: Box<str> },

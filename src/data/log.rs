@@ -1,4 +1,4 @@
-//! The log as every later stage sees it: trajectories of strictly increasing time, missing values as NaN.
+//! The log as every later stage sees it: trajectories in the order of time, missing values as NaN.
 
 use std::collections::TryReserveError;
 
@@ -23,7 +23,7 @@ pub struct Log {
     pub times: Times,
 }
 
-/// One run or target: rows in strictly increasing time.
+/// One run or target: rows in the order of time, which rows of different sensors may share.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trajectory {
     /// The value of the trajectory column; empty when the log has none.
@@ -81,6 +81,17 @@ impl Table {
         Self { columns: self.columns, values: self.values[..rows * self.columns].to_vec() }
     }
 
+    /// Fills the gaps of column `i` with the value before each, or the first there is; 0 where there is none at all.
+    pub(super) fn hold(&mut self, i: usize) {
+        let mut last = self.column(i).find(|value| !value.is_nan()).unwrap_or(0.0);
+        for value in self.values.iter_mut().skip(i).step_by(self.columns.max(1)) {
+            if value.is_nan() {
+                *value = last;
+            }
+            last = *value;
+        }
+    }
+
     /// Column `i` from the first row to the last.
     pub fn column(&self, i: usize) -> impl Iterator<Item = f64> {
         self.values.chunks_exact(self.columns.max(1)).filter_map(move |row| row.get(i).copied())
@@ -100,7 +111,7 @@ impl Trajectory {
         self.time.is_empty()
     }
 
-    /// Interval from row `k` to row `k + 1`, in the unit of the times; `None` at the last row.
+    /// Interval from row `k` to row `k + 1`, in the unit of the times; 0 where both have one time, `None` at the last row.
     ///
     /// It is rounded to the last decimal that the trajectory's times can hold in f64, so that a log sampled every 0.1 s
     /// has one interval and not three that differ by rounding (from which kfgpu would compute one F and Q a row).
@@ -169,11 +180,12 @@ impl Log {
         }
     }
 
-    /// The one interval of the whole log, or `None` if intervals differ by more than one part in 1e9 or there are none.
+    /// The one interval of the whole log, or `None` if intervals differ by more than one part in 1e9, one is 0 or there are
+    /// none.
     #[must_use]
     pub fn regular_dt(&self) -> Option<f64> {
         let mut intervals = self.trajectories.iter().flat_map(|t| (0..t.len()).filter_map(|k| t.dt(k)));
-        let first = intervals.next()?;
+        let first = intervals.next().filter(|first| *first > 0.0)?;
         intervals.all(|dt| (dt - first).abs() <= 1e-9 * first).then_some(first)
     }
 }

@@ -12,6 +12,7 @@ mod log;
 mod oddity;
 mod read;
 mod rows;
+mod sensors;
 mod spec;
 mod summary;
 #[cfg(test)]
@@ -25,7 +26,7 @@ pub use format::Format;
 pub use held_out::HeldOut;
 pub use log::{Log, Table, Trajectory};
 pub use oddity::{Kind as OddityKind, Oddity};
-pub use spec::{DataSpec, SplitBy, ValidateSpec};
+pub use spec::{DataSpec, SensorSpec, SplitBy, ValidateSpec};
 pub use summary::{ColumnSummary, Intervals, Summary};
 pub use times::{Origin, Times};
 pub use unit::TimeUnit;

@@ -6,6 +6,7 @@ use std::io::{self, Read};
 use std::path::Path;
 
 use super::columns::Columns;
+use super::sensors::{Sensors, Set, Spoken};
 use super::times::Texts;
 use super::{Clock, DataSpec, Log, LogError, Place, Rows, Table, TimeUnit, Times, Trajectory};
 
@@ -45,13 +46,14 @@ impl Log {
     pub fn read(spec: &DataSpec, mut reader: impl Read, source: &str) -> Result<Self, LogError> {
         let mut rows = Rows::open(&mut reader, source, &spec.format)?;
         let unit = spec.time_unit.unwrap_or_default();
-        let mut builder = Builder::new(Columns::of(spec, &rows)?, unit);
+        let mut builder = Builder::new(spec, Columns::of(spec, &rows)?, unit);
         while rows.advance()? {
             builder.push(&rows)?;
         }
         if builder.trajectories.is_empty() {
             return Err(LogError::HeaderOnly { file: source.into() });
         }
+        builder.sensors.refuse_silent(source)?;
         let (trajectories, times) = builder.finish();
         let log = Self {
             source: source.to_owned(),
@@ -61,25 +63,28 @@ impl Log {
             trajectories,
             times,
         };
-        log.refuse_empty_measurements()?;
+        log.refuse_empty_measurements(spec)?;
         Ok(log)
     }
 
-    fn refuse_empty_measurements(&self) -> Result<(), LogError> {
+    fn refuse_empty_measurements(&self, spec: &DataSpec) -> Result<(), LogError> {
         let present = |i: usize| self.trajectories.iter().any(|t| t.z.column(i).any(|z| !z.is_nan()));
         match (0..self.measurements.len()).find(|&i| !present(i)) {
             None => Ok(()),
-            Some(i) => Err(LogError::AllMissing {
-                file: self.source.as_str().into(),
-                column: self.measurements[i].as_str().into(),
-            }),
+            Some(i) => {
+                Err(LogError::AllMissing { file: self.source.as_str().into(), column: spec.columns()[i].into() })
+            }
         }
     }
 }
 
 /// Trajectories under construction.
-struct Builder {
+struct Builder<'a> {
     columns: Columns,
+    sensors: Sensors,
+    /// For each trajectory, who has spoken at its latest time.
+    spoken: Vec<Spoken>,
+    spec: &'a DataSpec,
     unit: TimeUnit,
     clock: Clock,
     texts: Texts,
@@ -91,32 +96,58 @@ struct Builder {
     cells: Vec<f64>,
 }
 
-impl Builder {
-    fn new(columns: Columns, unit: TimeUnit) -> Self {
+impl<'a> Builder<'a> {
+    fn new(spec: &'a DataSpec, columns: Columns, unit: TimeUnit) -> Self {
         let (clock, texts, trajectories) = (Clock::new(unit), Texts::default(), Vec::new());
         let (gaps, index, cells) = (Vec::new(), HashMap::new(), Vec::new());
-        Self { columns, unit, clock, texts, trajectories, gaps, index, cells }
+        let (sensors, spoken) = (Sensors::new(spec, &columns), Vec::new());
+        Self { columns, sensors, spoken, spec, unit, clock, texts, trajectories, gaps, index, cells }
     }
 
     fn push(&mut self, rows: &Rows<'_>) -> Result<(), LogError> {
+        let Some(label) = self.sensors.label(rows)? else { return Ok(()) };
         let t = self.trajectory(rows)?;
-        let time = self.time(rows, t)?;
+        let cells = &mut self.cells;
+        let set = if self.sensors.are_told_apart() {
+            let columns = &self.columns.measurements;
+            self.sensors.hear(label, |i| rows.number(columns[i], LEAVE_EMPTY), cells)?
+        } else {
+            Set::default()
+        };
+        let time = self.time(rows, t, set)?;
         if let Some((place, i)) = self.gaps[t].take() {
             return Err(LogError::MissingInput { place, column: rows.name(i) });
         }
-        let trajectory = &mut self.trajectories[t];
-        let cells = &mut self.cells;
-        fill(cells, rows, &self.columns.measurements, LEAVE_EMPTY)?;
+        let (trajectory, cells) = (&mut self.trajectories[t], &mut self.cells);
+        if !self.sensors.are_told_apart() {
+            fill(cells, rows, &self.columns.measurements, LEAVE_EMPTY)?;
+        }
         trajectory.z.push(cells);
         fill(cells, rows, &self.columns.truth, LEAVE_TRUTH_EMPTY)?;
         trajectory.truth.push(cells);
         fill(cells, rows, &self.columns.inputs, GIVE_INPUT)?;
         trajectory.u.push(cells);
-        let gap = cells.iter().position(|u| u.is_nan());
-        self.gaps[t] = gap.map(|i| self.columns.inputs[i]).map(|i| (rows.place(i), i));
         trajectory.time.push(time);
         trajectory.line.push(rows.line());
+        self.gaps[t] = self.input_gap(rows, t)?;
         Ok(())
+    }
+
+    /// An input that the current row lacks although the step after it needs one.
+    fn input_gap(&self, rows: &Rows<'_>, t: usize) -> Result<Option<(Place, usize)>, LogError> {
+        let trajectory = &self.trajectories[t];
+        let row = trajectory.len() - 1;
+        for (i, _) in trajectory.u.row(row).iter().enumerate().filter(|(_, u)| u.is_nan()) {
+            let place = rows.place(self.columns.inputs[i]);
+            let Some(Some(readers)) = self.spec.readers.get(i) else {
+                return Ok(Some((place, self.columns.inputs[i])));
+            };
+            if let Some(reader) = readers.iter().find(|m| !trajectory.z.row(row)[**m].is_nan()) {
+                let (column, measurement) = (rows.name(self.columns.inputs[i]), &self.spec.measurements[*reader]);
+                return Err(LogError::MissingSensorInput { place, column, measurement: measurement.as_str().into() });
+            }
+        }
+        Ok(None)
     }
 
     /// Position of the current row's trajectory, which is begun if it is new.
@@ -133,6 +164,7 @@ impl Builder {
         }
         self.index.insert(id.into(), self.trajectories.len());
         self.gaps.push(None);
+        self.spoken.push(Spoken::default());
         self.trajectories.push(Trajectory {
             id: id.to_owned(),
             time: Vec::new(),
@@ -144,8 +176,9 @@ impl Builder {
         Ok(self.trajectories.len() - 1)
     }
 
-    /// Time of the current row, later than the last row of trajectory `t`.
-    fn time(&mut self, rows: &Rows<'_>, t: usize) -> Result<f64, LogError> {
+    /// Time of the current row, which comes after the last row of trajectory `t`, or with it where no sensor of `set` spoke
+    /// yet.
+    fn time(&mut self, rows: &Rows<'_>, t: usize, set: Set) -> Result<f64, LogError> {
         let Some(i) = self.columns.time else { return Ok(self.trajectories[t].len() as f64) };
         let counted = self.clock.counts_from_first();
         let time = self.clock.read(rows, i)?;
@@ -158,13 +191,39 @@ impl Builder {
         }
         let trajectory = &self.trajectories[t];
         match (trajectory.time.last(), trajectory.line.last()) {
-            (Some(&previous), Some(&previous_line)) if time <= previous => Err(LogError::NotIncreasing {
-                place: rows.place(i),
-                time: self.clock.show(time),
-                previous: self.clock.show(previous),
-                previous_line,
-            }),
-            _ => Ok(time),
+            (Some(&previous), Some(&line)) if time <= previous => {
+                self.not_later(rows, (t, set), time, (previous, line))?
+            }
+            _ => self.spoken[t].later(),
+        }
+        self.spoken[t].speak(set, rows.line());
+        Ok(time)
+    }
+
+    /// Refuses the time of the current row, which is not later than the last one, unless other sensors spoke then.
+    fn not_later(
+        &self,
+        rows: &Rows<'_>,
+        (t, set): (usize, Set),
+        time: f64,
+        (previous, previous_line): (f64, u64),
+    ) -> Result<(), LogError> {
+        let place = self.columns.time.map_or_else(|| rows.header_place(), |i| rows.place(i));
+        let (shown, told) = (self.clock.show(time), self.sensors.are_told_apart());
+        if told && time < previous && !set.is_nobody() {
+            let (sensor, previous) = (self.sensors.name(set), self.clock.show(previous));
+            return Err(LogError::Late { place, sensor, time: shown, previous, previous_line });
+        }
+        match self.spoken[t].before(set) {
+            None if told => Ok(()),
+            Some((both, previous_line)) if told && !both.is_nobody() => {
+                let sensor = self.sensors.name(both);
+                Err(LogError::SecondAtOneTime { place, sensor, time: shown, previous_line })
+            }
+            _ => {
+                let previous = self.clock.show(previous);
+                Err(LogError::NotIncreasing { place, time: shown, previous, previous_line })
+            }
         }
     }
 
@@ -186,6 +245,9 @@ impl Builder {
         }
         for trajectory in &mut self.trajectories {
             trajectory.shrink();
+            let idle = |i: &usize| self.spec.readers.get(*i).is_some_and(Option::is_some);
+            // Nothing reads an input there, but masked formulas are computed from it.
+            (0..self.spec.inputs.len()).filter(idle).for_each(|i| trajectory.u.hold(i));
         }
         (self.trajectories, Times::new(self.unit, self.clock.origin(), self.texts))
     }

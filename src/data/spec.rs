@@ -1,6 +1,7 @@
 //! What a problem file says of its log.
 
 use super::{Format, TimeUnit};
+use std::ops::Range;
 
 /// The `[data]` table.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -11,8 +12,16 @@ pub struct DataSpec {
     pub time: Option<String>,
     /// What times count; seconds without.
     pub time_unit: Option<TimeUnit>,
-    /// Measurement columns, m.
+    /// Names of the measurements, m: their columns, unless sensors share some ([`SensorSpec`]).
     pub measurements: Vec<String>,
+    /// The sensors, whose measurements follow each other in [`Self::measurements`]; empty where one row measures all.
+    pub sensors: Vec<SensorSpec>,
+    /// Column that says which sensor a row is of, where sensors have a [`SensorSpec::when`].
+    pub sensor: Option<String>,
+    /// Values of that column whose rows are left out.
+    pub ignore_sensors: Vec<String>,
+    /// For each input the measurements whose h alone reads it; `None` where every step needs it, as without an entry.
+    pub readers: Vec<Option<Vec<usize>>>,
     /// Input columns.
     pub inputs: Vec<String>,
     /// (state, column) pairs of truth.
@@ -23,6 +32,37 @@ pub struct DataSpec {
     pub validate: Option<ValidateSpec>,
     /// How the file writes cells and numbers.
     pub format: Format,
+}
+
+/// A `[[sensor]]` table, as far as the log is concerned.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct SensorSpec {
+    /// Its name.
+    pub name: String,
+    /// Columns of the log that it measures, at least one.
+    pub columns: Vec<String>,
+    /// What the sensor column holds in its rows; without one it has a row wherever one of its columns is filled.
+    pub when: Option<String>,
+}
+
+impl DataSpec {
+    /// The column of each measurement, m.
+    pub(crate) fn columns(&self) -> Vec<&str> {
+        if self.sensors.is_empty() {
+            return self.measurements.iter().map(String::as_str).collect();
+        }
+        self.sensors.iter().flat_map(|sensor| &sensor.columns).map(String::as_str).collect()
+    }
+
+    /// Which measurements each sensor has.
+    pub(crate) fn sensor_ranges(&self) -> Vec<Range<usize>> {
+        let mut end = 0;
+        let range = |sensor: &SensorSpec| {
+            end += sensor.columns.len();
+            end - sensor.columns.len()..end
+        };
+        self.sensors.iter().map(range).collect()
+    }
 }
 
 /// `data.validate`: the share of the log that the search never sees.

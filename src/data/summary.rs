@@ -19,13 +19,13 @@ pub struct Summary {
     pub stamps: Option<[String; 2]>,
     /// What times count.
     pub unit: TimeUnit,
-    /// Intervals between rows; `None` when no trajectory has two rows.
+    /// Intervals between rows; `None` when no trajectory has rows at two times.
     pub dt: Option<Intervals>,
     /// Gaps in each measurement, input and truth column, in that order.
     pub columns: Vec<ColumnSummary>,
 }
 
-/// Intervals between rows.
+/// Intervals between rows at different times.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[expect(missing_docs, reason = "the names say it")]
 pub struct Intervals {
@@ -34,6 +34,8 @@ pub struct Intervals {
     pub max: f64,
     /// Whether all are equal, to one part in 1e9 of the first.
     pub regular: bool,
+    /// Number of rows at the time of the row before.
+    pub together: usize,
 }
 
 /// Gaps in one column.
@@ -73,13 +75,15 @@ impl Summary {
 }
 
 impl Intervals {
-    /// `None` when no trajectory has two rows.
+    /// `None` when no trajectory has rows at two times.
     #[must_use]
     pub fn of(log: &Log) -> Option<Self> {
         let mut all: Vec<f64> = log.trajectories.iter().flat_map(|t| (0..t.len()).filter_map(|k| t.dt(k))).collect();
-        if all.is_empty() {
-            return None;
-        }
+        let rows = all.len();
+        all.retain(|dt| *dt > 0.0);
+        let first = *all.first()?;
+        let regular = all.iter().all(|dt| (dt - first).abs() <= 1e-9 * first);
+        let together = rows - all.len();
         let middle = (all.len() - 1) / 2;
         let even = all.len().is_multiple_of(2);
         let (below, &mut lower, above) = all.select_nth_unstable_by(middle, f64::total_cmp);
@@ -88,7 +92,8 @@ impl Intervals {
             min: below.iter().copied().fold(lower, f64::min),
             median: if even { 0.5 * (lower + next) } else { lower },
             max: above.iter().copied().fold(lower, f64::max),
-            regular: log.regular_dt().is_some(),
+            regular,
+            together,
         })
     }
 }
@@ -120,12 +125,19 @@ impl fmt::Display for Summary {
             Some([from, to]) => writeln!(f, "{from} to {to} ({} {})", Short(last - first), unit(last - first))?,
             None => writeln!(f, "{} to {} {}", Long(first, last - first), Long(last, last - first), unit(last))?,
         }
+        let together = |dt: &Intervals| match dt.together {
+            0 => String::new(),
+            n => format!("; {} at the time of the row before", plural(n, "row", "rows")),
+        };
         match self.dt {
             None => writeln!(f, "  dt: none (single rows)")?,
-            Some(dt) if dt.regular => writeln!(f, "  dt: {} {}, regular", Short(dt.median), unit(dt.median))?,
+            Some(dt) if dt.regular => {
+                writeln!(f, "  dt: {} {}, regular{}", Short(dt.median), unit(dt.median), together(&dt))?;
+            }
             Some(dt) => {
                 let (min, median, max) = (Short(dt.min), Short(dt.median), Short(dt.max));
-                writeln!(f, "  dt: min {min}, median {median}, max {max} {}, irregular", unit(dt.max))?;
+                let unit = unit(dt.max);
+                writeln!(f, "  dt: min {min}, median {median}, max {max} {unit}, irregular{}", together(&dt))?;
             }
         }
         let with_gaps: Vec<String> = self.columns.iter().filter(|c| c.missing > 0).map(ToString::to_string).collect();

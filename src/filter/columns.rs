@@ -115,9 +115,20 @@ impl Columns {
         let columns: BTreeSet<u32> = columns.collect();
         let values = columns.iter().map(|column| self.data[*column as usize].as_slice());
         let decided = |value: &f64| [0.0_f64, 1.0].map(f64::to_bits).contains(&value.to_bits());
-        let flags: Vec<&[f64]> = values.filter(|values| values.iter().all(decided)).collect();
+        let mut flags: Vec<&[f64]> = values.filter(|values| values.iter().all(decided)).collect();
+        // Between rows at one time nothing is predicted.
+        let still = self.standing_still();
+        flags.extend(still.as_deref());
         self.kinds = Kinds::by_flags(&flags, rows, operations).unwrap_or_default();
         self.kinds.len() > 1
+    }
+
+    /// 1 in the rows that another one at the same time follows, 0 in the others; `None` where there are none.
+    fn standing_still(&self) -> Option<Vec<f64>> {
+        let Some(Found::Column(dt)) = self.by_key.get(&Key::Dt) else { return None };
+        let dt = &self.data[*dt as usize];
+        let still = |dt: &f64| f64::from(u8::from(*dt <= 0.0));
+        dt.iter().any(|dt| *dt <= 0.0).then(|| dt.iter().map(still).collect())
     }
 
     fn part(&mut self, kind: usize, column: u32) -> Found {

@@ -2,7 +2,7 @@
 
 use super::error::{Cause, Fault};
 use super::read::locate;
-use super::{First, Problem, ProblemError, Start, Symbol, definite};
+use super::{First, Problem, ProblemError, Start, Symbol, definite, standstill};
 use crate::data::{Log, Origin, TimeUnit, Trajectory};
 use crate::objective::Kind;
 
@@ -78,6 +78,10 @@ impl Problem {
     }
 
     fn check_intervals(&self, log: &Log, warnings: &mut Vec<String>) -> Result<(), ProblemError> {
+        standstill::check(self, log).map_err(|(path, problem)| {
+            let path: Vec<&str> = path.iter().map(String::as_str).collect();
+            self.log_fault(&path, problem)
+        })?;
         let intervals = || log.trajectories.iter().flat_map(|t| (0..t.len()).filter_map(|k| t.dt(k)));
         let irregular = log.regular_dt().is_none() && intervals().next().is_some();
         let adapted = self.filter.facts().adapts == super::Adapts::ProcessNoise;
@@ -90,8 +94,8 @@ impl Problem {
             return Err(self.log_fault(&["model", "first"], problem));
         }
         if self.model.q.iter().any(|q| q.mentions(|s| s == Symbol::Dt)) {
-            let used = log.trajectories.iter().flat_map(|t| (0..t.len()).filter_map(|k| t.dt(k)));
-            let (low, high) = used.fold((f64::INFINITY, 0.0_f64), |(l, h), dt| (l.min(dt), h.max(dt)));
+            let (low, high) =
+                intervals().filter(|dt| *dt > 0.0).fold((f64::INFINITY, 0.0_f64), |(l, h), dt| (l.min(dt), h.max(dt)));
             for dt in [low, high].into_iter().filter(|dt| dt.is_finite() && *dt > 0.0) {
                 definite::check_process_noise(self, dt).map_err(|cause| self.fault(&["model", "Q"], cause))?;
             }

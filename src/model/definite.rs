@@ -68,22 +68,36 @@ fn products(entry: &Expr) -> Option<Vec<(&Expr, &Expr)>> {
     }
 }
 
-/// P0 and R positive definite, Q positive semidefinite (where it has no dt); otherwise the key and what is wrong. M M' may
-/// be singular.
-pub(super) fn check(problem: &Problem) -> Result<(), (&'static str, Box<Cause>)> {
+/// P0 and R positive definite, Q positive semidefinite (where it has no dt); otherwise the path of what is wrong, and how. M M'
+/// may be singular.
+pub(super) fn check(problem: &Problem) -> Result<(), (Vec<String>, Box<Cause>)> {
     let model = &problem.model;
     let values = problem.parameters.resolve(&problem.parameters.baseline());
-    for (key, matrix, labels) in [("P0", &model.p0, &model.states), ("R", &model.r, &model.measurements)] {
+    let path = |key: &str| vec!["model".to_owned(), key.to_owned()];
+    let judge = |matrix: &[Expr], labels: &[String], (path, key): (Vec<String>, String)| {
         let semi = is_product(matrix);
         let matrix = evaluate(matrix, labels.len(), &values, f64::NAN);
-        if let Some(detail) = defect(&matrix, labels, semi) {
-            return Err((key, Cause::NotPositive { key: format!("model.{key}"), semi: false, detail }.into()));
+        match defect(&matrix, labels, semi) {
+            None => Ok(()),
+            Some(detail) => Err((path, Box::new(Cause::NotPositive { key, semi: false, detail }))),
         }
+    };
+    judge(&model.p0, &model.states, (path("P0"), "model.P0".to_owned()))?;
+    if problem.data.sensors.is_empty() {
+        judge(&model.r, &model.measurements, (path("R"), "model.R".to_owned()))?;
+    }
+    // R of all sensors is block diagonal.
+    for ((i, sensor), range) in problem.data.sensors.iter().enumerate().zip(problem.data.sensor_ranges()) {
+        let m = model.measurements.len();
+        let block: Vec<Expr> =
+            range.clone().flat_map(|row| range.clone().map(move |column| model.r[row * m + column].clone())).collect();
+        let path = ["sensor", &i.to_string(), "R"].map(str::to_owned).to_vec();
+        judge(&block, &sensor.columns, (path, format!("sensor[{}].R", i + 1)))?;
     }
     if model.q.iter().any(|q| q.mentions(|s| s == Symbol::Dt)) {
         return Ok(());
     }
-    check_process_noise(problem, f64::NAN).map_err(|cause| ("Q", cause))
+    check_process_noise(problem, f64::NAN).map_err(|cause| (path("Q"), cause))
 }
 
 /// Q positive semidefinite at the start values for the interval `dt`.

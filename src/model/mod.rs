@@ -16,6 +16,7 @@ mod linear;
 mod parameter;
 mod problem;
 mod read;
+mod standstill;
 mod tuned;
 
 pub use crate::tape::Function;

@@ -5,6 +5,7 @@ use toml::de::DeValue;
 use super::format;
 use super::names::{check_name, limit};
 use super::node::{Fields, Node};
+use super::sensor;
 use crate::data::{DataSpec, SplitBy, ValidateSpec};
 use crate::model::Span;
 use crate::model::error::{Cause, Fault, nearest};
@@ -13,8 +14,8 @@ use crate::words::shorten;
 const MAX_MEASUREMENTS: usize = 32;
 const MAX_INPUTS: usize = 64;
 #[rustfmt::skip]
-const KEYS: [&str; 13] = [
-    "file", "time", "measurements", "inputs", "truth", "trajectory", "validate",
+const KEYS: [&str; 15] = [
+    "file", "time", "measurements", "inputs", "truth", "trajectory", "validate", "sensor", "ignore_sensors",
     // See `super::format`.
     "time_unit", "separator", "decimal", "thousands", "header_line", "skip_lines",
 ];
@@ -28,21 +29,30 @@ pub(super) fn read(document: &Fields<'_>) -> Result<DataSpec, Fault> {
         fields.need("file", "the log's file name, relative to the problem file, or a [simulate] table")?;
     }
     let expected = "a list of column names";
-    let measurements = fields.need("measurements", expected)?;
+    let sensors = sensor::list(document, &fields)?;
+    let measurements = match (&sensors, fields.get("measurements")) {
+        (None, _) => fields.need("measurements", expected)?.names(expected)?,
+        (Some(sensors), given) => sensor::names(sensors, given)?,
+    };
     let inputs = fields.get("inputs");
     let time = fields.optional("time", Node::name)?;
     let spec = DataSpec {
         file,
         time_unit: format::read_time_unit(&fields, time.is_some())?,
         time,
-        measurements: measurements.names(expected)?,
+        measurements,
+        sensors: sensors.unwrap_or_default().into_iter().map(|sensor| sensor.spec).collect(),
+        sensor: fields.optional("sensor", Node::name)?,
+        ignore_sensors: fields.optional("ignore_sensors", |n| n.names("a list of labels"))?.unwrap_or_default(),
+        readers: Vec::new(),
         inputs: fields.optional("inputs", |n| n.names(expected))?.unwrap_or_default(),
         truth: fields.optional("truth", read_truth)?.unwrap_or_default(),
         trajectory: fields.optional("trajectory", Node::name)?,
         validate: fields.optional("validate", read_validate)?.flatten(),
         format: format::read(&fields)?,
     };
-    limit(measurements.span, spec.measurements.len(), "measurements", MAX_MEASUREMENTS)?;
+    let at = fields.get("measurements").or_else(|| document.get("sensor")).map_or(node.span, |n| n.span);
+    limit(at, spec.measurements.len(), "measurements", MAX_MEASUREMENTS)?;
     if let Some(inputs) = inputs {
         limit(inputs.span, spec.inputs.len(), "inputs", MAX_INPUTS)?;
         for (node, name) in inputs.list(expected)?.iter().zip(&spec.inputs) {

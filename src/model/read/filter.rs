@@ -1,6 +1,7 @@
 //! The `[filter]` table.
 
 use super::node::{Fields, Node};
+use super::observation::keys_of_h;
 use crate::model::error::{Cause, Fault, nearest};
 use crate::model::family::Settings;
 use crate::model::formula::{FormulaPlace, Names, Scope};
@@ -25,10 +26,13 @@ pub(super) fn read(
 
 /// A filter that fits f and h.
 fn checked(document: &Fields<'_>, model: &Model, filter: FilterKind) -> Result<FilterKind, Fault> {
-    let fields = document.need("model", "a table")?.table("a table", &[])?;
+    let node = document.need("model", "a table")?;
+    let fields = node.table("a table", &[])?;
     if filter.is_linear() {
-        check_linear(&fields, "f", &model.f, &filter)?;
-        check_linear(&fields, "h", &model.h, &filter)?;
+        let of_f = fields.get("f").map_or(Ok(Vec::new()), |f| f.list("a list of formulas"))?;
+        let keys: Vec<String> = of_f.into_iter().map(|entry| entry.key).collect();
+        check_linear(node, keys, &model.f, &filter)?;
+        check_linear(node, keys_of_h(document, &fields)?, &model.h, &filter)?;
     }
     match fields.get("x0") {
         Some(x0) if model.x0 == Start::Measurement && model.h.iter().any(|h| linear::check(h).is_err()) => {
@@ -38,13 +42,11 @@ fn checked(document: &Fields<'_>, model: &Model, filter: FilterKind) -> Result<F
     }
 }
 
-/// Formulas are affine in the states.
-fn check_linear(fields: &Fields<'_>, key: &str, formulas: &[Expr], filter: &FilterKind) -> Result<(), Fault> {
-    let Some(node) = fields.get(key) else { return Ok(()) };
-    for (i, formula) in formulas.iter().enumerate() {
+/// Formulas are affine in the states; without `keys` they are those of a built-in model.
+fn check_linear(node: &Node<'_>, keys: Vec<String>, formulas: &[Expr], filter: &FilterKind) -> Result<(), Fault> {
+    for (formula, key) in formulas.iter().zip(keys) {
         let Err(offender) = linear::check(formula) else { continue };
-        let text = shorten(node.source(offender.span));
-        let (key, filter) = (format!("{}[{}]", node.key, i + 1), filter.name());
+        let (text, filter) = (shorten(node.source(offender.span)), filter.name());
         let others = FilterKind::nonlinear().map(|name| format!("\"{name}\"")).collect();
         let cause = Cause::Nonlinear { text, key, filter, others };
         return Err(Fault::new(offender.span, cause));

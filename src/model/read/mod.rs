@@ -11,8 +11,10 @@ mod model;
 mod names;
 mod node;
 mod objectives;
+mod observation;
 mod parameters;
 mod pick;
+mod sensor;
 mod simulate;
 mod tune;
 
@@ -30,7 +32,7 @@ pub(super) use locate::locate;
 
 /// Bytes of a problem file.
 const MAX_BYTES: u64 = 4 * 1024 * 1024;
-const TABLES: [&str; 6] = ["data", "model", "parameters", "filter", "tune", "simulate"];
+const TABLES: [&str; 7] = ["data", "sensor", "model", "parameters", "filter", "tune", "simulate"];
 
 impl Problem {
     /// Reads a problem file.
@@ -98,19 +100,23 @@ fn read(text: &str, source: &str) -> Result<Problem, Fault> {
         Fault::new(span, Cause::Toml { message })
     })?;
     let document = Fields::document(table.get_ref(), text, &TABLES)?;
-    let data = data::read(&document)?;
+    let mut data = data::read(&document)?;
     let draft = model::draft(&document, &data)?;
     data::check_truth(&document, draft.states())?;
     let declared = document.optional("parameters", |n| n.table("a table", &[]))?;
     let parameters = parameters::read(declared.as_ref(), &draft.factors)?;
     let folder = Path::new(source).parent().unwrap_or_else(|| Path::new(""));
     let names = draft.names(&document, &data, &parameters, folder)?;
-    let model = draft.finish(&names, &data, &parameters)?;
+    let model = draft.finish(&document, &names, &data, &parameters)?;
+    data.readers = observation::readers(&data, &model);
     let simulate = simulate::read(&document, &model, &parameters, &names, &data)?;
     let tune = tune::tune(&document, &data, &model.states)?;
     let filter = filter::read(&document, &model, &parameters, &names)?;
     let problem =
         Problem { source: source.to_owned(), text: text.to_owned(), data, model, parameters, filter, tune, simulate };
-    definite::check(&problem).map_err(|(key, cause)| Fault::new(locate(text, &["model", key]), cause))?;
+    definite::check(&problem).map_err(|(path, cause)| {
+        let path: Vec<&str> = path.iter().map(String::as_str).collect();
+        Fault::new(locate(text, &path), cause)
+    })?;
     Ok(problem)
 }

@@ -7,6 +7,7 @@ use super::data;
 use super::lets;
 use super::names::{check_name, limit};
 use super::node::{Fields, Node};
+use super::observation;
 use super::parameters::Factor;
 use crate::data::DataSpec;
 use crate::model::error::{Cause, Fault, nearest};
@@ -35,6 +36,7 @@ pub(super) fn draft<'a>(document: &Fields<'a>, data: &DataSpec) -> Result<Draft<
     let all = node.table("a table", &[])?;
     let built_in = all.optional("kind", find_built_in)?;
     let strengths = built_in.map_or(&[][..], |b| b.strengths);
+    observation::refuse_in_model(document, &all)?;
     let own = if built_in.is_some() { &BUILT_IN[..] } else { &FORMULAS[..] };
     let mut known: Vec<&str> = own.iter().chain(strengths).chain(&COMMON).copied().collect();
     if built_in.is_none() {
@@ -61,8 +63,11 @@ pub(super) fn draft<'a>(document: &Fields<'a>, data: &DataSpec) -> Result<Draft<
         }
     }
     let mut factors: Vec<Factor> = Vec::new();
+    let mut found = Vec::new();
     for (key, size) in [("Q", states.len()), ("R", data.measurements.len()), ("P0", states.len())] {
-        let Some(factor) = fields.optional(key, |n| covariance::factor(n, key, size))?.flatten() else { continue };
+        found.extend(fields.optional(key, |n| covariance::factor(n, key, size))?.flatten());
+    }
+    for factor in found.into_iter().chain(observation::factors(document, data)?) {
         if factors.iter().any(|f| f.name == factor.name) {
             return Err(Fault::invalid(factor.span, &factor.name, "two matrices cannot share one factor"));
         }
@@ -86,9 +91,12 @@ fn find_built_in(node: &Node<'_>) -> Result<&'static BuiltIn, Fault> {
     })
 }
 
-/// The axes of a built-in model, one per measurement and in their order.
+/// The axes of a built-in model, one per measurement and in their order; any with sensors, which have an h of their own.
 fn read_axes(fields: &Fields<'_>, data: &DataSpec) -> Result<Vec<String>, Fault> {
     let m = data.measurements.len();
+    if !data.sensors.is_empty() {
+        fields.need("axes", "the names of its axes, such as [\"x\", \"y\"], which [[sensor]] tables do not tell")?;
+    }
     let expected = format!("{m}, one per measurement ({})", data.measurements.join(", "));
     let Some(node) = fields.get("axes") else {
         if m > library::MAX_AXES {
@@ -102,7 +110,7 @@ fn read_axes(fields: &Fields<'_>, data: &DataSpec) -> Result<Vec<String>, Fault>
     if axes.len() > library::MAX_AXES {
         return Err(node.wrong_count(axes.len(), format!("1 to {}", library::MAX_AXES)));
     }
-    if axes.len() == m { Ok(axes) } else { Err(node.wrong_count(axes.len(), expected)) }
+    if axes.len() == m || !data.sensors.is_empty() { Ok(axes) } else { Err(node.wrong_count(axes.len(), expected)) }
 }
 
 impl Draft<'_> {
@@ -151,15 +159,26 @@ impl Draft<'_> {
     }
 
     /// Reads every formula.
-    pub(super) fn finish(&self, names: &Names, data: &DataSpec, parameters: &Parameters) -> Result<Model, Fault> {
+    pub(super) fn finish(
+        &self,
+        document: &Fields<'_>,
+        names: &Names,
+        data: &DataSpec,
+        parameters: &Parameters,
+    ) -> Result<Model, Fault> {
         let fields = &self.fields;
         let Motion { f, h, q } = match &self.built_in {
             Some((model, axes)) => self.expand(model, axes, names)?,
-            None => self.formulas(names, data)?,
+            None => self.formulas(names)?,
         };
+        let angles = self.read_angles(data)?;
         let states = Axes { labels: &self.states, what: "state", may_be_zero: false };
-        let measurements = Axes { labels: &data.measurements, what: "measurement", may_be_zero: false };
-        let r = fields.need("R", "the measurement noise covariance")?;
+        let observation = if data.sensors.is_empty() {
+            let built_in = self.built_in.as_ref().map(|_| h);
+            observation::of_model(fields, (built_in, &angles), names, data)?
+        } else {
+            observation::of_sensors(document, names, data)?
+        };
         let p0 = fields.need("P0", "the initial covariance")?;
         let x0 = self.read_x0(names)?;
         let model = Model {
@@ -167,12 +186,15 @@ impl Draft<'_> {
             states: self.states.clone(),
             measurements: data.measurements.clone(),
             inputs: data.inputs.clone(),
-            r: covariance::read(r, measurements, names, FormulaPlace::Constant)?,
+            r: observation.r,
             p0: covariance::read(p0, states, names, FormulaPlace::Constant)?,
             first: self.read_first(&x0, data)?,
-            angles: self.read_angles(data)?,
+            angles: Angles {
+                states: (0..self.states.len()).filter(|i| angles.contains(&self.states[*i])).collect(),
+                measurements: observation.angles,
+            },
             f,
-            h,
+            h: observation.h,
             q,
             x0,
         };
@@ -180,20 +202,14 @@ impl Draft<'_> {
         Ok(model)
     }
 
-    fn formulas(&self, names: &Names, data: &DataSpec) -> Result<Motion, Fault> {
-        let fields = &self.fields;
-        let f = fields.need("f", "a list of formulas, one per state")?;
-        let h = fields.need("h", "a list of formulas, one per measurement")?;
-        let q = fields.need("Q", "the process noise covariance of one step")?;
+    fn formulas(&self, names: &Names) -> Result<Motion, Fault> {
+        let f = self.fields.need("f", "a list of formulas, one per state")?;
+        let q = self.fields.need("Q", "the process noise covariance of one step")?;
         let states = Axes { labels: &self.states, what: "state", may_be_zero: true };
+        let scope = Scope { names, place: FormulaPlace::Transition, key: "" };
         Ok(Motion {
-            f: formulas(f, &self.states, "state", Scope { names, place: FormulaPlace::Transition, key: "" })?,
-            h: formulas(
-                h,
-                &data.measurements,
-                "measurement",
-                Scope { names, place: FormulaPlace::Measurement, key: "" },
-            )?,
+            f: f.formulas(&self.states, "state", scope)?,
+            h: Vec::new(),
             q: covariance::read(q, states, names, FormulaPlace::ProcessNoise)?,
         })
     }
@@ -232,19 +248,26 @@ impl Draft<'_> {
     }
 
     /// The names under `angle`, of states and measurements; one that both have means both.
-    fn read_angles(&self, data: &DataSpec) -> Result<Angles, Fault> {
-        let Some(node) = self.fields.get("angle") else { return Ok(Angles::default()) };
+    fn read_angles(&self, data: &DataSpec) -> Result<Vec<String>, Fault> {
+        let Some(node) = self.fields.get("angle") else { return Ok(Vec::new()) };
         let names = node.names("a list of names of measurements and states")?;
+        let measurements = if data.sensors.is_empty() { &data.measurements[..] } else { &[] };
         for (name, entry) in names.iter().zip(node.list("a list")?) {
-            if !self.states.contains(name) && !data.measurements.contains(name) {
-                let known: Vec<String> = data.measurements.iter().chain(&self.states).cloned().collect();
-                let nearest = nearest(name, known.iter().map(String::as_str));
-                let (key, name) = (node.key.clone(), crate::words::shorten(name));
-                return Err(entry.fault(Cause::NoSuch { key, what: "the angle", name, nearest, known }));
+            if self.states.contains(name) || measurements.contains(name) {
+                continue;
             }
+            if data.columns().contains(&name.as_str()) {
+                return Err(entry.invalid(format!(
+                    "`{}` is measured by a sensor: give it under `angle` of its [[sensor]]",
+                    crate::words::shorten(name)
+                )));
+            }
+            let known: Vec<String> = measurements.iter().chain(&self.states).cloned().collect();
+            let nearest = nearest(name, known.iter().map(String::as_str));
+            let (key, name) = (node.key.clone(), crate::words::shorten(name));
+            return Err(entry.fault(Cause::NoSuch { key, what: "the angle", name, nearest, known }));
         }
-        let among = |all: &[String]| (0..all.len()).filter(|i| names.contains(&all[*i])).collect();
-        Ok(Angles { states: among(&self.states), measurements: among(&data.measurements) })
+        Ok(names)
     }
 
     fn read_first(&self, x0: &Start, data: &DataSpec) -> Result<First, Fault> {
@@ -286,16 +309,6 @@ impl Draft<'_> {
             _ => Ok(()),
         }
     }
-}
-
-/// One formula per name.
-fn formulas(node: &Node<'_>, labels: &[String], what: &str, scope: Scope<'_>) -> Result<Vec<Expr>, Fault> {
-    let entries = node.list("a list of formulas")?;
-    if entries.len() != labels.len() {
-        let expected = format!("{}, one per {what} ({})", labels.len(), labels.join(", "));
-        return Err(node.wrong_count(entries.len(), expected));
-    }
-    entries.iter().map(|entry| entry.formula(scope)).collect()
 }
 
 /// One strength for all axes, a list with one per axis, or a table by axis.

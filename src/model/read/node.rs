@@ -222,6 +222,16 @@ impl<'a> Node<'a> {
         }
     }
 
+    /// One formula per label; `what` says of what.
+    pub(super) fn formulas(&self, labels: &[String], what: &str, scope: Scope<'_>) -> Result<Vec<Expr>, Fault> {
+        let entries = self.list("a list of formulas")?;
+        if entries.len() != labels.len() {
+            let expected = format!("{}, one per {what} ({})", labels.len(), labels.join(", "));
+            return Err(self.wrong_count(entries.len(), expected));
+        }
+        entries.iter().map(|entry| entry.formula(scope)).collect()
+    }
+
     /// Where a part of the content of this string stands in the file; the whole string where escapes are in the way.
     pub(super) fn within(&self, content: &str, start: usize, length: usize) -> Span {
         self.offset(content).map_or(self.span, |offset| Span { start: offset + start, end: offset + start + length })

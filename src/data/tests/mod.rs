@@ -3,6 +3,7 @@
 mod errors;
 mod properties;
 mod reading;
+mod sensors;
 mod summary;
 
 use super::{Log, LogError};

@@ -15,9 +15,10 @@ const MAX_MEASUREMENTS: usize = 32;
 const MAX_INPUTS: usize = 64;
 #[rustfmt::skip]
 const KEYS: [&str; 15] = [
-    "file", "time", "measurements", "inputs", "truth", "trajectory", "validate", "sensor", "ignore_sensors",
+    "file", "time", "measurements", "inputs", "truth", "trajectory", "validate",
     // See `super::format`.
     "time_unit", "separator", "decimal", "thousands", "header_line", "skip_lines",
+    "sensor", "ignore_sensors",
 ];
 
 /// Reads it; truth is checked against the states later, by [`check_truth`].

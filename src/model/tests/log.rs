@@ -210,3 +210,44 @@ fn an_angle_that_goes_round_is_named() {
     let warnings = named.check_log(&degrees).unwrap();
     assert!(warnings[0].contains("angles are in radians"), "{warnings:?}");
 }
+
+#[test]
+fn between_rows_of_one_time_a_step_must_change_nothing() {
+    let together = log(vec![trajectory("", &[0.0, 1.0, 1.0, 2.0], &[[1.0, 1.0]; 4])]);
+    let whole = "as between lines 3 and 4 of log.csv, which have one time";
+    let sound = problem("\"q\"]", "\"q*dt\"]");
+    assert_eq!(sound.check_log(&together).unwrap(), Vec::<String>::new());
+    assert_eq!(
+        refused(&problem("", ""), &together),
+        format!("p.toml:9:5: Q is not 0 at dt = 0, {whole}: write dt into it, or merge the rows of one time")
+    );
+    let moving = problem("\"p + v*dt\", \"v\"", "\"p + v*dt\", \"0.9*v\"");
+    assert_eq!(
+        refused(&moving, &together),
+        format!("p.toml:7:5: f of `v` is not `v` at dt = 0, {whole}: write dt into it, or merge the rows of one time")
+    );
+    assert!(refused(&problem("\"p + v*dt\"", "\"p + v/dt\""), &together).contains("f of `p` is not `p` at dt = 0"));
+    for f in ["p + v*(1 - exp(-dt))", "3 + (p - 3)*exp(-dt)", "p + v*dt*sinc(0.3*dt)"] {
+        let smooth = problem("\"q\"]", "\"q*dt\"]").text.replace("p + v*dt", f);
+        assert!(Problem::parse(&smooth, "p.toml").unwrap().check_log(&together).is_ok(), "{f} leaves p where it is");
+    }
+    let turning = "state = [\"p\", \"v\"]\nangle = [\"p\"]\nf = [\"wrap(p + v*dt)\", \"v\"]";
+    let turning = sound.text.replace("state = [\"p\", \"v\"]\nf = [\"p + v*dt\", \"v\"]", turning)
+        + "[filter]\nkind = \"extended\"\n";
+    assert!(Problem::parse(&turning, "p.toml").unwrap().check_log(&together).is_ok(), "angles are equal modulo 2 pi");
+    let adaptive = Problem::parse(&(sound.text.clone() + "[filter]\nkind = \"sage-husa\"\n"), "p.toml").unwrap();
+    let sentence = refused(&adaptive, &together);
+    assert!(
+        sentence.starts_with("p.toml:16:8: the sage-husa filter adapts one Q that serves every step"),
+        "{sentence}"
+    );
+    let motion = sound.text.replace(
+        "state = [\"p\", \"v\"]\nf = [\"p + v*dt\", \"v\"]\nh = [\"p\", \"v\"]\nQ = [0, \"q*dt\"]",
+        "kind = \"local-level\"\naxes = [\"p\", \"v\"]\nq = \"q\"\nnoise = \"piecewise\"",
+    );
+    let motion = Problem::parse(&motion, "p.toml").unwrap();
+    assert_eq!(
+        refused(&motion, &together),
+        format!("p.toml:9:9: Q is not 0 at dt = 0, {whole}: use noise = \"continuous\", or merge the rows of one time")
+    );
+}

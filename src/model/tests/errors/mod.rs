@@ -5,6 +5,7 @@ mod filter;
 mod formulas;
 mod front;
 mod parameters;
+mod sensors;
 mod tune;
 
 use proptest::prelude::*;

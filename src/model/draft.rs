@@ -5,6 +5,7 @@ mod clockwork;
 mod degrees;
 mod estimate;
 mod layout;
+mod long;
 mod names;
 mod roles;
 mod series;
@@ -111,6 +112,7 @@ pub fn draft(log_path: &Path, mut reader: impl Read) -> Result<Draft, LogError> 
     data.truth = roles.truth_of(&survey, &states);
     let degrees = Degrees::of(&survey, &roles.candidates[..taken]);
     said.extend(clockwork::say(&survey, &roles, unit.as_ref()));
+    said.extend(long::said(&survey, &roles));
     said.extend(cautions::inputs(&survey, &roles));
     said.extend(flaws);
     said.extend(degrees.as_ref().map(|degrees| degrees.said(&survey)));

@@ -18,6 +18,7 @@ mod over_time;
 mod place;
 mod portmanteau;
 mod rows;
+mod sensors;
 mod uncertainty;
 mod verdict;
 mod whiteness;
@@ -36,6 +37,7 @@ pub use evidence::Evidence;
 pub use family::{JOINT_LEVEL, Test, TestKind};
 pub use over_time::{NisOverTime, NisSpan};
 pub use place::Place;
+pub use sensors::SensorNis;
 pub use uncertainty::{FlatDirection, Uncertainty};
 pub use verdict::{Finding, Verdict};
 pub use whiteness::Whiteness;
@@ -56,6 +58,9 @@ pub struct Consistency {
     pub nis_settled: f64,
     /// Number of present components.
     pub components: usize,
+    /// One entry per sensor, where a problem has several; else none, and left out of JSON.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sensors: Vec<SensorNis>,
     /// Measured rows of each trajectory that are left out of what follows: 20 where they are to blame, else 0.
     pub judged_after: usize,
     /// Headline of [`Self::findings`].
@@ -122,7 +127,9 @@ impl Consistency {
             format!("{share:.1} % of rows above their 95 % quantile of NIS (band {low:.1}..{high:.1} %)")
         });
         let white = self.whiteness.iter().map(|w| ("white", Some(w.to_string())));
-        let facts = [("NIS", Some(nis)), ("NEES", nees), ("tails", tails)].into_iter().chain(white);
+        let sensors = self.sensors.iter().map(|sensor| ("sensor", Some(sensor.to_string())));
+        let facts = [("NIS", Some(nis))].into_iter().chain(sensors);
+        let facts = facts.chain([("NEES", nees), ("tails", tails)]).chain(white);
         facts.filter_map(|(label, fact)| Some((label.to_owned(), fact?))).collect()
     }
 }

@@ -53,7 +53,7 @@ fn simulated(rows: usize, dt: f64, q: f64, r: f64, is_motion: bool) -> String {
 
 #[test]
 fn drafts_of_every_shipped_log_parse_and_their_baselines_run() {
-    for name in ["nile.csv", "uav_gps.csv", "tum_fr2_desk.csv", "robot.csv"] {
+    for name in ["nile.csv", "uav_gps.csv", "tum_fr2_desk.csv", "robot.csv", "train.csv"] {
         let (_, problem, log) = shipped(name);
         problem.check_log(&log).unwrap_or_else(|e| panic!("{name}: {e}"));
         let costs = reference::costs(&problem, &log, &problem.parameters.baseline()).unwrap();
@@ -213,4 +213,15 @@ proptest! {
     fn arbitrary_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
         let _ = draft(Path::new("log.csv"), bytes.as_slice());
     }
+}
+
+#[test]
+fn a_column_of_words_may_say_which_sensor_a_row_is_of() {
+    let (draft, _, _) = shipped("train.csv");
+    let advice = "column \"sensor\" seems to say which sensor a row is of (\"wheel\", \"gps\"): give sensor = \"sensor\" in \
+                  [data], and for each a [[sensor]] table with when = \"wheel\" or the like";
+    assert!(draft.warnings.iter().any(|w| w.starts_with(advice)), "{:?}", draft.warnings);
+    assert!(draft.text.contains("# Note: column \"sensor\" seems to say"), "{}", draft.text);
+    let weather = "t,sky,z\n0,dry,1\n1,wet,2\n2,dry,1.5\n3,wet,1\n4,dry,2\n5,wet,1\n6,dry,1.2\n";
+    assert!(of(weather).warnings.iter().all(|w| !w.contains("which sensor")), "words of another kind");
 }

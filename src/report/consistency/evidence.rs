@@ -2,6 +2,7 @@
 
 use super::band::Band;
 use super::rows::{RowNis, SETTLING, Sum, number};
+use super::sensors::Sensors;
 use super::whiteness::{Whiteness, normalised};
 use super::{
     Consistency, Nees, NisDistribution, NisOverTime, Uncertainty, Verdict, dominating, findings, mean, over_time,
@@ -19,6 +20,7 @@ pub struct Evidence<'a> {
     states: usize,
     rows: Vec<RowNis>,
     nees: Sum,
+    sensors: Sensors,
     /// Measured rows of each trajectory.
     measured: Vec<usize>,
     /// Normalised innovations by measurement and trajectory.
@@ -37,6 +39,7 @@ impl<'a> Evidence<'a> {
             states: problem.model.states.len(),
             rows: Vec::new(),
             nees: Sum::default(),
+            sensors: Sensors::of(&problem.data),
             measured: vec![0; trajectories],
             series: vec![vec![Vec::new(); trajectories]; measurements],
             unsettled: vec![vec![0; trajectories]; measurements],
@@ -52,6 +55,7 @@ impl<'a> Evidence<'a> {
             self.nees = Sum { total: self.nees.total + nees, count: self.nees.count + 1 };
         }
         let Some(update) = &step.update else { return };
+        self.sensors.add(update);
         self.measured[trajectory] += 1;
         let number = self.measured[trajectory];
         let components = u32::try_from(update.present.len()).unwrap_or(u32::MAX);
@@ -110,6 +114,7 @@ impl<'a> Evidence<'a> {
             nis_first: first.mean(),
             nis_settled: settled_sum.mean(),
             components: all.count,
+            sensors: self.sensors.judge(),
             judged_after: if start_is_wrong { SETTLING } else { 0 },
             verdict: Verdict::NothingMeasured,
             findings: Vec::new(),

@@ -66,6 +66,7 @@ pub(crate) fn realisations(problem: &Problem, seed: Option<u64>, range: Range<us
         truth: problem.model.states.clone(),
         trajectories: Vec::with_capacity(range.len()),
         times: Times::counting(problem.data.time_unit.unwrap_or_default()),
+        ranges: None,
     };
     // Line 1 is the header of the CSV that the log may be written to.
     let mut line = 2 + (range.start * (spec.steps + 1)) as u64;

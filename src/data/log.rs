@@ -21,6 +21,9 @@ pub struct Log {
     pub trajectories: Vec<Trajectory>,
     /// What its times count, from where, and how its file writes them.
     pub times: Times,
+    /// For each measurement the length of its range over the rows that a filter is tuned on, where those are others than
+    /// these.
+    pub ranges: Option<Vec<f64>>,
 }
 
 /// One run or target: rows in the order of time, which rows of different sensors may share.
@@ -177,7 +180,20 @@ impl Log {
             truth: self.truth.clone(),
             trajectories,
             times: self.times.clone(),
+            ranges: self.ranges.clone(),
         }
+    }
+
+    /// For each measurement the length of its range over the rows that a filter is tuned on, in its unit; 1 where it has no
+    /// two different values.
+    #[must_use]
+    pub fn ranges(&self) -> Vec<f64> {
+        let range = |i: usize| {
+            let values = self.trajectories.iter().flat_map(|t| t.z.column(i)).filter(|z| !z.is_nan());
+            let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(z), h.max(z)));
+            if high > low { high - low } else { 1.0 }
+        };
+        self.ranges.clone().unwrap_or_else(|| (0..self.measurements.len()).map(range).collect())
     }
 
     /// The one interval of the whole log, or `None` if intervals differ by more than one part in 1e9, one is 0 or there are

@@ -62,6 +62,7 @@ impl Log {
             truth: spec.truth.iter().map(|(state, _)| state.clone()).collect(),
             trajectories,
             times,
+            ranges: None,
         };
         log.refuse_empty_measurements(spec)?;
         Ok(log)

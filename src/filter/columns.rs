@@ -21,6 +21,8 @@ pub(super) enum Key {
     Present(usize),
     /// 1 where any does.
     Measured,
+    /// 1 where so many do.
+    Components(usize),
     /// 1 where a measurement is present and the buffer of an adaptive filter full.
     Full(usize),
     /// 1 from the first gap of a trajectory on.
@@ -39,9 +41,13 @@ impl Key {
     /// Whether a column of 0 and 1 under this key says what happens in a row.
     const fn decides(self) -> bool {
         match self {
-            Self::Input(_) | Self::Present(_) | Self::Measured | Self::Full(_) | Self::AfterGap | Self::Weight(..) => {
-                true
-            }
+            Self::Input(_)
+            | Self::Present(_)
+            | Self::Measured
+            | Self::Components(_)
+            | Self::Full(_)
+            | Self::AfterGap
+            | Self::Weight(..) => true,
             Self::Dt | Self::Measurement(_) | Self::Nominal(_) | Self::NextNominal(_) | Self::Truth(_) => false,
         }
     }

@@ -9,12 +9,12 @@ pub(crate) struct Evidence {
     pub(in crate::filter) innovation: Vec<Id>,
     /// Diagonal of its joint covariance S, m.
     pub(in crate::filter) spread: Vec<Id>,
-    /// The likelihood of the row is exp(-`exponent` / 2) over the square root of the product of 2 pi and these.
-    pub(in crate::filter) factors: Vec<Factor>,
-    /// See there; the NIS, where the filter is one gaussian.
-    pub(in crate::filter) exponent: Id,
+    /// The density of what was measured.
+    pub(in crate::filter) likelihood: Likelihood,
     /// nu' S^-1 nu over the present components, 0 where there is none; `None` where a filter has no such number.
     pub(in crate::filter) nis: Option<Id>,
+    /// One less the weight of the row, 0 where nothing is measured; `None` where every row counts in full.
+    pub(in crate::filter) rejected: Option<Id>,
     /// Posterior mean, n.
     pub(in crate::filter) state: Vec<Id>,
     /// Posterior covariance.
@@ -23,6 +23,27 @@ pub(crate) struct Evidence {
     pub(in crate::filter) alone: Vec<Vec<Id>>,
     /// What a candidate fails without, besides the factors.
     pub(in crate::filter) positive: Vec<Id>,
+}
+
+/// The density p of what was measured in a row: -2 ln p = `exponent` + sum ln(2 pi `factors`) + sum power ln `powers`.
+///
+/// No logarithm is taken in a row: factors and powers are multiplied up over the log.
+pub(in crate::filter) struct Likelihood {
+    /// See there; the NIS, where the density is a gaussian. 0 where nothing is measured.
+    pub(in crate::filter) exponent: Id,
+    /// One for each component of the measurement, at most.
+    pub(in crate::filter) factors: Vec<Factor>,
+    /// What counts with a power of its own; left out where nothing is measured.
+    pub(in crate::filter) powers: Vec<Power>,
+}
+
+/// A factor of a density for a row with a measurement.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::filter) struct Power {
+    /// Positive, without a unit, and best within 1e-15 to 1e15: single precision multiplies two of them.
+    pub(in crate::filter) value: Id,
+    /// The same in every row: a number, or a value that depends on the candidate alone.
+    pub(in crate::filter) power: Id,
 }
 
 /// A factor of a likelihood.

@@ -5,23 +5,26 @@ use super::form::Carrying;
 use super::gaussian::Gaussian;
 use super::gaussian::adapt::{Fuzzy, NoAdaptation, SageHusa, SageHusaR};
 use super::gaussian::moments::{Affine, Extended, Points, Sigma};
-use crate::model::FilterKind;
+use crate::model::{FilterKind, Problem};
 
 /// The filter that a problem asks for.
-pub(super) fn of(kind: &FilterKind, carrying: Carrying) -> Box<dyn Family> {
-    match kind {
-        FilterKind::Kalman(_) => Box::new(Gaussian::new(carrying, Affine, NoAdaptation)),
+pub(super) fn of(problem: &Problem, carrying: Carrying) -> Box<dyn Family> {
+    let robust = problem.robust.as_ref();
+    match &problem.filter {
+        FilterKind::Kalman(_) => Box::new(Gaussian::new(carrying, Affine, NoAdaptation).with(robust)),
         FilterKind::SageHusa(_) => Box::new(Gaussian::new(carrying, Affine, SageHusa)),
         FilterKind::SageHusaR(_) => Box::new(Gaussian::new(carrying, Affine, SageHusaR)),
-        FilterKind::Extended(_) => Box::new(Gaussian::new(carrying, Extended::new(carrying, 1), NoAdaptation)),
+        FilterKind::Extended(_) => {
+            Box::new(Gaussian::new(carrying, Extended::new(carrying, 1), NoAdaptation).with(robust))
+        }
         FilterKind::Iterated(iterated) => {
-            Box::new(Gaussian::new(carrying, Extended::new(carrying, iterated.iterations), NoAdaptation))
+            Box::new(Gaussian::new(carrying, Extended::new(carrying, iterated.iterations), NoAdaptation).with(robust))
         }
         FilterKind::Unscented(_) => {
-            Box::new(Gaussian::new(carrying, Sigma::new(carrying, Points::Unscented), NoAdaptation))
+            Box::new(Gaussian::new(carrying, Sigma::new(carrying, Points::Unscented), NoAdaptation).with(robust))
         }
         FilterKind::Cubature(_) => {
-            Box::new(Gaussian::new(carrying, Sigma::new(carrying, Points::Cubature), NoAdaptation))
+            Box::new(Gaussian::new(carrying, Sigma::new(carrying, Points::Cubature), NoAdaptation).with(robust))
         }
         FilterKind::Fuzzy(fuzzy) => Box::new(Gaussian::new(carrying, Affine, Fuzzy { window: fuzzy.window })),
     }

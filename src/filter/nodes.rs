@@ -77,7 +77,7 @@ impl ModelNodes {
             Start::Values(values) => Some(values.iter().map(&mut value).collect()),
             Start::Measurement => None,
         };
-        let settings = t.problem.filter.settings().iter().map(|setting| value(setting.formula)).collect();
+        let settings = t.problem.settings().iter().map(|setting| value(setting.formula)).collect();
         Ok(Self { f, h, Q, R, P0, x0, settings })
     }
 }

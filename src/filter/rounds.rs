@@ -26,7 +26,7 @@ pub(super) fn trace_rows(
     request: &Request<'_>,
 ) -> Result<Program, TraceError> {
     let memory = Memory::of(request.objectives.iter().flat_map(|objective| objective.memory(&problem.model)));
-    let filter = Remembering { family: families::of(&problem.filter, request.carrying), memory };
+    let filter = Remembering { family: families::of(problem, request.carrying), memory };
     let (mut partition, mut parted) = (None, false);
     loop {
         let mut t = Tracer::new(problem, rows, columns, request.units, request.nominal);

@@ -41,7 +41,7 @@ impl Problem {
             Start::Measurement => &[],
         };
         let mut used = vec![false; self.parameters.all.len()];
-        let settings = self.filter.settings();
+        let settings = self.settings();
         let settings = settings.iter().map(|setting| setting.formula);
         let formulas = [&model.f[..], &model.h, &model.q, &model.r, &model.p0, x0].into_iter().flatten();
         for formula in formulas.chain(settings) {

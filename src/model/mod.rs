@@ -27,7 +27,7 @@ pub(crate) use dual::Duals;
 pub use error::{Cause, Place, ProblemError};
 pub(crate) use evaluate::Formula;
 pub use expr::{Binary, Expr, ExprKind, Logical, Span, Symbol};
-pub use family::{Adapts, Facts, FilterKind, Range, Setting};
+pub use family::{Adapts, Facts, FilterKind, Range, Robust, Setting};
 pub use library::built_in_models;
 pub use parameter::{Parameter, Parameters, Scale, Search, Value};
 pub use problem::{Angles, First, Model, Pick, Problem, SimulateSpec, Start, TuneSpec};

@@ -1,7 +1,7 @@
 //! A problem: data, model, parameters, filter, and how to tune.
 
 use super::evaluate::wrap;
-use super::{Expr, FilterKind, Parameters, Span};
+use super::{Expr, FilterKind, Parameters, Robust, Setting, Span};
 use crate::data::DataSpec;
 use crate::objective::{Constraint, Objective};
 
@@ -20,10 +20,20 @@ pub struct Problem {
     pub parameters: Parameters,
     /// Which filter runs.
     pub filter: FilterKind,
+    /// How its updates withstand outliers, where they do.
+    pub robust: Option<Robust>,
     /// What is minimised and how.
     pub tune: TuneSpec,
     /// How to draw a log from the model, where the file says.
     pub simulate: Option<SimulateSpec>,
+}
+
+impl Problem {
+    /// Settings that are formulas: those of the filter, then those of its robust updates.
+    #[must_use]
+    pub fn settings(&self) -> Vec<Setting<'_>> {
+        self.filter.settings().into_iter().chain(self.robust.iter().flat_map(Robust::settings)).collect()
+    }
 }
 
 /// A state-space model: x' = f(x, u, dt) + w, z = h(x, u) + v, w ~ N(0, Q), v ~ N(0, R).

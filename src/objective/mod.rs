@@ -52,6 +52,8 @@ pub enum Kind {
     NisMean,
     /// nees_mean itself: as [`Self::NisMean`].
     NeesMean,
+    /// Mean over the rows with a measurement of what a robust filter leaves out of them, 0 to 1: for constraints and reports.
+    Rejected,
 }
 
 impl Kind {
@@ -70,7 +72,8 @@ impl Kind {
     ];
 
     /// What is no objective, because its best value is not its smallest, but can be bounded by a constraint.
-    pub const MEANS: [(&'static str, Self); 2] = [("nis_mean", Self::NisMean), ("nees_mean", Self::NeesMean)];
+    pub const MEANS: [(&'static str, Self); 3] =
+        [("nis_mean", Self::NisMean), ("nees_mean", Self::NeesMean), ("rejected", Self::Rejected)];
 
     /// Its name.
     #[must_use]

@@ -11,7 +11,9 @@ impl Kind {
     pub fn scale(self, value: f64, rows: usize) -> f64 {
         match self {
             Self::Nll => value.abs().max(rows as f64),
-            Self::Mismatch | Self::Nis | Self::Nees | Self::NisDistribution | Self::Whiteness => 1.0 + value.abs(),
+            Self::Mismatch | Self::Nis | Self::Nees | Self::NisDistribution | Self::Whiteness | Self::Rejected => {
+                1.0 + value.abs()
+            }
             Self::MseInnovation | Self::Prediction | Self::Rmse | Self::Distance | Self::NisMean | Self::NeesMean => {
                 value.abs()
             }
@@ -32,7 +34,9 @@ impl Kind {
         match (precision, self) {
             (Precision::F64, _) => 1e-10 * value.abs().max(1.0),
             (Precision::F32, Self::Mismatch) => 1e-3,
-            (Precision::F32, Self::Nis | Self::Nees | Self::NisMean | Self::NeesMean) => 1e-4 * (1.0 + value.abs()),
+            (Precision::F32, Self::Nis | Self::Nees | Self::NisMean | Self::NeesMean | Self::Rejected) => {
+                1e-4 * (1.0 + value.abs())
+            }
             (
                 Precision::F32,
                 Self::NisDistribution
@@ -66,7 +70,7 @@ impl Kind {
             Self::Rmse | Self::Distance => row,
             Self::NisDistribution | Self::Whiteness => 2.0 / rows.max(1) as f64,
             // A mean NIS has a variance of 2 / N; this is a standard error of it.
-            Self::Mismatch | Self::Nis | Self::Nees | Self::NisMean | Self::NeesMean => {
+            Self::Mismatch | Self::Nis | Self::Nees | Self::NisMean | Self::NeesMean | Self::Rejected => {
                 (2.0 / rows.max(1) as f64).sqrt()
             }
         }

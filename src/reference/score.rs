@@ -202,7 +202,7 @@ impl Sum<'_> {
                     self.total
                 }
             }
-            Kind::MseInnovation | Kind::Mismatch | Kind::NisMean => mean,
+            Kind::MseInnovation | Kind::Mismatch | Kind::NisMean | Kind::Rejected => mean,
             Kind::Nis => (mean - 1.0).abs(),
             Kind::NisDistribution => self.uniformity.cost(),
             Kind::Whiteness => self.whiteness.cost(),

@@ -65,8 +65,16 @@ impl Split {
     /// If nothing is left to train on or nothing is held out, or an objective has no row to score in one of the parts.
     pub fn of(problem: &Problem, log: Log) -> Result<Self, ProblemError> {
         let Some(spec) = problem.data.validate else { return Ok(Self::whole(log)) };
-        let parted = Self::parted(problem, spec, log).and_then(|split| split.check(problem).map(|()| split));
+        let parted = Self::parted(problem, spec, log).and_then(|split| split.check(problem).map(|()| split.ranged()));
         parted.map_err(|error| problem.fault(&["data", "validate"], Cause::Validate { problem: error.to_string() }))
+    }
+
+    /// Held-out rows are judged by the ranges of those that the filter was tuned on.
+    fn ranged(mut self) -> Self {
+        if let Some(held) = &mut self.held_out {
+            held.log.ranges = Some(self.train.ranges());
+        }
+        self
     }
 
     fn parted(problem: &Problem, spec: ValidateSpec, log: Log) -> Result<Self, SplitError> {

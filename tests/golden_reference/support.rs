@@ -80,6 +80,7 @@ impl Linear {
             },
             parameters: Parameters::default(),
             filter: FilterKind::default(),
+            robust: None,
             tune: tune(vec![Objective::new(Kind::Nll)]),
             simulate: None,
         }

@@ -122,6 +122,7 @@ pub(crate) fn log(unit: Unit) -> Log {
         inputs: vec![],
         truth: vec!["x".to_owned(), "v".to_owned()],
         trajectories: vec![trajectory(0), trajectory(1)],
+        ranges: None,
     }
 }
 

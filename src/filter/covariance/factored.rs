@@ -214,7 +214,7 @@ impl Factored {
     }
 
     /// U D U' + weight x x', weight >= 0: one rotation a row, from the last one up.
-    fn add(&mut self, g: &mut Graph, mut x: Vec<Id>, mut weight: Id) {
+    pub(super) fn add(&mut self, g: &mut Graph, mut x: Vec<Id>, mut weight: Id) {
         for j in (0..x.len()).rev() {
             let w = x[j];
             if g.is(weight, 0.0) {

@@ -155,6 +155,46 @@ impl Covariance {
         }
     }
 
+    /// Its share of `weight` in an update that makes `updated` of it by scalar measurements with these gains, K and S:
+    /// P - weight K S K' summed over them. Factors stay factors: nothing is taken away.
+    pub(in crate::filter) fn partly(&self, g: &mut Graph, updated: &Self, weight: Id, gains: &[Gain]) -> Self {
+        let one = g.constant(1.0);
+        let left = g.sub(one, weight);
+        match (self, updated) {
+            (Self::Full(prior), Self::Full(updated)) => Self::Full(Symmetric::from_fn(prior.n(), |i, j| {
+                let (before, after) = (prior.at(i, j), updated.at(i, j));
+                if before == after { after } else { g.dot([(left, before), (weight, after)]) }
+            })),
+            _ => gains.iter().fold(updated.clone(), |mut updated, gain| {
+                let part = g.mul(left, gain.S);
+                updated.widen(g, part, &gain.K);
+                updated
+            }),
+        }
+    }
+
+    /// With `weight` v v' added, weight >= 0.
+    pub(in crate::filter) fn widen(&mut self, g: &mut Graph, weight: Id, v: &[Id]) {
+        match self {
+            Self::Full(P) => {
+                let part: Vec<Id> = v.iter().map(|v| g.mul(weight, *v)).collect();
+                *P = Symmetric::from_fn(v.len(), |i, j| {
+                    let part = g.mul(part[i], v[j]);
+                    g.add(P.at(i, j), part)
+                });
+            }
+            Self::Factored(factors) => factors.add(g, v.to_vec(), weight),
+            Self::Lower(factors) => factors.add(g, reversed(v), weight),
+        }
+    }
+
+    /// Itself where `accepted` is positive, else `other`, which has the same form.
+    pub(in crate::filter) fn or(&self, g: &mut Graph, accepted: Id, other: &Self, form: Form) -> Self {
+        let pairs: Vec<(Id, Id)> = self.entries().into_iter().zip(other.entries()).collect();
+        let entries: Vec<Id> = pairs.into_iter().map(|(own, other)| g.select(accepted, own, other)).collect();
+        Self::from_entries(g, form, self.n(), &entries)
+    }
+
     /// H P H' + R for one row of H.
     pub(in crate::filter) fn variance(&self, g: &mut Graph, H: &[Id], R: Id) -> Id {
         match self {

@@ -20,6 +20,14 @@ pub(in crate::filter) struct Gain {
     pub(in crate::filter) inverse: Id,
 }
 
+impl Gain {
+    /// The innovation's square over its variance; 0 where gated off.
+    pub(in crate::filter) fn nis(&self, g: &mut Graph, innovation: Id) -> Id {
+        let square = g.mul(innovation, innovation);
+        g.mul(square, self.inverse)
+    }
+}
+
 impl Scalar<'_> {
     /// A missing component neither divides by its S nor has to have a positive one.
     pub(in crate::filter) fn gated(&self, g: &mut Graph, S: Id) -> Id {

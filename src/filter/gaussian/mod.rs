@@ -5,23 +5,25 @@ pub(super) mod adapt;
 mod innovation;
 pub(super) mod moments;
 mod point;
+mod robust;
 mod update;
 
 use super::carried::narrow;
 use super::covariance::{Covariance, Symmetric};
 use super::error::TraceError;
-use super::evidence::{Evidence, Factor};
+use super::evidence::{Evidence, Factor, Likelihood};
 use super::family::{Family, Predicted};
 use super::form::{Carrying, Form};
 use super::nodes::ModelNodes;
 use super::row::Row;
 use super::tracer::Tracer;
 use super::units::{self, scaled};
-use crate::model::{First, Model};
+use crate::model::{First, Model, Robust};
 use crate::tape::{Graph, Id, Leaf};
 use adapt::{Adaptation, Noise, Seen, in_range};
 use innovation::Innovation;
 use moments::{Map, MomentRule, Moments};
+use robust::{Outcome, Plain};
 use update::{Measurement, Update, Updated};
 
 /// A gaussian filter: mean, covariance in the form it is carried in, and the memory of what adapts.
@@ -29,6 +31,8 @@ pub(super) struct Gaussian<M, A> {
     carrying: Carrying,
     rule: M,
     adaptation: A,
+    /// How updates withstand outliers, where they do.
+    robust: Option<Robust>,
 }
 
 /// What is carried, unpacked.
@@ -40,7 +44,12 @@ struct State {
 
 impl<M: MomentRule, A: Adaptation> Gaussian<M, A> {
     pub(super) const fn new(carrying: Carrying, rule: M, adaptation: A) -> Self {
-        Self { carrying, rule, adaptation }
+        Self { carrying, rule, adaptation, robust: None }
+    }
+
+    /// The same with robust updates.
+    pub(super) fn with(self, robust: Option<&Robust>) -> Self {
+        Self { robust: robust.cloned(), ..self }
     }
 
     fn unpack(&self, g: &mut Graph, n: usize, entries: &[Id]) -> State {
@@ -115,7 +124,10 @@ impl<M: MomentRule, A: Adaptation> Gaussian<M, A> {
         R: &Symmetric,
     ) -> Result<(Measurement, Vec<Id>, Updated), TraceError> {
         let (measurement, positive) = self.measurement(t, row, (state, &state.x), R)?;
-        let mut updated = measurement.update(&mut t.g, &state.x, &state.P);
+        let threshold = robust::by_component(self.robust.as_ref(), t, row);
+        let mut by_nis = threshold.map(|k| move |g: &mut Graph, _: usize, nis: Id| robust::huber_weight(g, k, nis));
+        let weigh = by_nis.as_mut().map(|weigh| weigh as &mut dyn FnMut(&mut Graph, usize, Id) -> Id);
+        let mut updated = measurement.update_by(&mut t.g, &state.x, &state.P, weigh);
         for _ in 1..self.rule.iterations(row) {
             let (_, at, _) = &updated;
             let (mut again, _) = self.measurement(t, row, (state, at), R)?;
@@ -124,11 +136,31 @@ impl<M: MomentRule, A: Adaptation> Gaussian<M, A> {
                 let seen = t.g.dot(H.iter().copied().zip(updated.0.correction.iter().copied()));
                 *nu = t.g.add(*nu, seen);
             }
-            let (update, x, P) = again.update(&mut t.g, &state.x, &state.P);
-            updated = (Update { correction: update.correction, ..updated.0 }, x, P);
+            // What a component counts is known from the first time.
+            let weights = updated.0.weights.clone();
+            let mut known = (!weights.is_empty()).then_some(|_: &mut Graph, i: usize, _: Id| weights[i]);
+            let weigh = known.as_mut().map(|weigh| weigh as &mut dyn FnMut(&mut Graph, usize, Id) -> Id);
+            let (update, x, P) = again.update_by(&mut t.g, &state.x, &state.P, weigh);
+            updated = (Update { correction: update.correction, gains: update.gains, ..updated.0 }, x, P);
         }
         Ok((measurement, positive, updated))
     }
+
+    /// nu' S^-1 nu by the joint S, also where components have been weighed one by one.
+    fn nis(&self, t: &mut Tracer<'_>, measurement: &Measurement, state: &State, update: &Update) -> Id {
+        let zero = t.g.constant(0.0);
+        let joint = (!update.weights.is_empty()).then(|| measurement.update_by(&mut t.g, &state.x, &state.P, None).0);
+        let shares = &joint.as_ref().unwrap_or(update).nis;
+        shares.iter().fold(zero, |sum, share| t.g.add(sum, *share))
+    }
+}
+
+/// The update as it is: the likelihood is gaussian.
+fn plainly((update, x, P): &Updated, nis: Id, memory: Vec<Id>) -> Outcome {
+    let factor = |(component, pivot): (usize, &Id)| Factor { value: *pivot, component };
+    let factors = update.pivots.iter().enumerate().map(factor).collect();
+    let likelihood = Likelihood { exponent: nis, factors, powers: vec![] };
+    Outcome { x: x.clone(), P: P.clone(), memory, likelihood, rejected: None, positive: vec![] }
 }
 
 /// Mean and covariance after a time update, and what that fails without.
@@ -142,11 +174,12 @@ impl<M: MomentRule, A: Adaptation> Family for Gaussian<M, A> {
     fn names(&self, model: &Model) -> Vec<String> {
         let x = model.states.iter().map(|state| format!("x.{state}"));
         let P = Covariance::names(self.carrying.form, &model.states);
-        x.chain(P).chain(self.adaptation.names(self.carrying.form, model)).collect()
+        let memory = self.adaptation.names(self.carrying.form, model);
+        x.chain(P).chain(memory).chain(robust::names(self.robust.as_ref())).collect()
     }
 
     fn opaque(&self, model: &Model) -> usize {
-        self.adaptation.opaque(model)
+        self.adaptation.opaque(model) + robust::names(self.robust.as_ref()).len()
     }
 
     fn start(&self, t: &mut Tracer<'_>) -> Result<Vec<Id>, TraceError> {
@@ -177,28 +210,37 @@ impl<M: MomentRule, A: Adaptation> Family for Gaussian<M, A> {
         }
         let noise = Noise::of(t, &model);
         let memory = self.adaptation.start(&mut t.g, form, noise);
-        Ok([x, P.entries(), memory].concat())
+        let rejected = robust::start(&mut t.g, self.robust.as_ref());
+        Ok([x, P.entries(), memory, rejected].concat())
     }
 
     fn update(&self, t: &mut Tracer<'_>, row: &Row, prior: &[Id]) -> Result<(Evidence, Vec<Id>), TraceError> {
         let n = t.problem.model.states.len();
         let state = self.unpack(&mut t.g, n, prior);
         let noise = self.noise(t, &row.model, &state.memory);
-        let (measurement, positive, (update, x, P)) = self.updated(t, row, &state, &noise.R)?;
-        let seen = Seen { measurement: &measurement, update: &update, prior: &state.P };
-        let memory = self.adaptation.adapt(t, self.carrying.form, row, state.memory, &seen);
-        let positive = [positive, in_range(t, &row.model.settings)].concat();
+        let (measurement, positive, updated) = self.updated(t, row, &state, &noise.R)?;
+        let (nis, update) = (self.nis(t, &measurement, &state, &updated.0), &updated.0);
+        let seen = Seen { measurement: &measurement, update, prior: &state.P };
+        let Outcome { x, P, memory, likelihood, rejected, positive: more } = match &self.robust {
+            None => {
+                let memory = self.adaptation.adapt(t, self.carrying.form, row, state.memory, &seen);
+                plainly(&updated, nis, memory)
+            }
+            Some(robust) => {
+                let (posterior, form) = ((updated.1.clone(), updated.2.clone()), self.carrying.form);
+                let plain = Plain { prior: (&state.x, &state.P), update, posterior, form };
+                robust::update(robust, t, row, plain, state.memory)
+            }
+        };
+        let positive = [positive, in_range(t, &row.model.settings), more].concat();
         let posterior = [x.clone(), P.entries(), memory].concat();
         let alone = (0..n).map(|i| measurement.alone(&t.g, i)).collect();
-        let zero = t.g.constant(0.0);
-        let nis = update.nis.iter().fold(zero, |sum, share| t.g.add(sum, *share));
-        let factor = |(component, pivot): (usize, &Id)| Factor { value: *pivot, component };
         let evidence = Evidence {
             innovation: measurement.nu,
-            spread: update.S_diagonal,
-            factors: update.pivots.iter().enumerate().map(factor).collect(),
-            exponent: nis,
+            spread: updated.0.S_diagonal,
+            likelihood,
             nis: Some(nis),
+            rejected,
             state: x,
             covariance: P,
             alone,

@@ -31,42 +31,70 @@ pub(super) struct Update {
     pub(super) pivots: Vec<Id>,
     /// Their normalised squares: their sum is the NIS over the present components.
     pub(super) nis: Vec<Id>,
+    /// 1 over these variances, 0 where missing.
+    pub(super) inverses: Vec<Id>,
     /// What the update adds to x: K nu, n.
     pub(super) correction: Vec<Id>,
+    /// The gain of each decorrelated component.
+    pub(super) gains: Vec<Gain>,
+    /// What each of them counts, where they are weighed one by one.
+    pub(super) weights: Vec<Id>,
 }
+
+/// What a decorrelated component counts, by its number and its NIS; without one every component counts in full.
+pub(super) type Weigh<'a> = Option<&'a mut dyn FnMut(&mut Graph, usize, Id) -> Id>;
 
 /// What an update did, and the mean and covariance after it.
 pub(super) type Updated = (Update, Vec<Id>, Covariance);
 
+impl Update {
+    fn new(S_diagonal: Vec<Id>) -> Self {
+        let [pivots, nis, inverses, correction, weights] = [const { vec![] }; 5];
+        Self { S_diagonal, pivots, nis, inverses, correction, gains: vec![], weights }
+    }
+}
+
 impl Measurement {
     /// The measurement update. R = L D L' decorrelates the components (L unit, so the likelihood needs no Jacobian);
     /// with a missing component its row of H, its innovation and its row of R are 0 and its variance is 1.
-    pub(super) fn update(&self, g: &mut Graph, x: &[Id], P: &Covariance) -> Updated {
+    pub(super) fn update_by(&self, g: &mut Graph, x: &[Id], P: &Covariance, mut weigh: Weigh<'_>) -> Updated {
         let (n, m) = (x.len(), self.H.len());
         let zero = g.constant(0.0);
         let correlated = self.correlated(g);
         let S_diagonal = (0..m).map(|i| P.variance(g, &self.H[i], self.R.at(i, i))).collect();
-        let mut update = Update { S_diagonal, pivots: vec![], nis: vec![], correction: vec![] };
+        let mut update = Update::new(S_diagonal);
         // Anchored, each component is held against x as it is by then; else against what moved since the joint innovation.
         let from = if self.anchored { &self.z } else { &self.nu };
         let components = if correlated { self.decorrelate(g, from) } else { self.diagonal(from) };
         let (mut dx, mut P, mut at) = (vec![zero; n], P.clone(), x.to_vec());
-        for component in &components {
+        for (i, component) in components.iter().enumerate() {
             let Component { H, z, D, gate } = component;
             let seen = if self.anchored { &at } else { &dx };
             let moved = g.dot(H.iter().copied().zip(seen.iter().copied()));
             let innovation = g.sub(*z, moved);
+            let prior = P.clone();
             let gain = P.update(g, &Scalar { H, D: *D, gate: *gate });
+            let weight = weigh.as_mut().map(|weigh| {
+                let nis = gain.nis(g, innovation);
+                weigh(g, i, nis)
+            });
+            let counted = weight.map_or(innovation, |weight| g.mul(weight, innovation));
             for (dx, K) in dx.iter_mut().zip(&gain.K) {
-                let moved = g.mul(*K, innovation);
+                let moved = g.mul(*K, counted);
                 *dx = g.add(*dx, moved);
             }
             if self.anchored {
-                component.anchor(g, &gain, innovation, &mut at);
+                component.anchor(g, &gain, innovation, weight, &mut at);
             }
-            let square = g.mul(innovation, innovation);
+            let nis = gain.nis(g, innovation);
+            update.nis.push(nis);
+            if let Some(weight) = weight {
+                P = prior.partly(g, &P, weight, std::slice::from_ref(&gain));
+                update.weights.push(weight);
+            }
             update.pivots.push(gain.S);
-            update.nis.push(g.mul(square, gain.inverse));
+            update.inverses.push(gain.inverse);
+            update.gains.push(gain);
         }
         let x = if self.anchored { at } else { x.iter().zip(&dx).map(|(x, dx)| g.add(*x, *dx)).collect() };
         update.correction = dx;
@@ -132,8 +160,9 @@ struct Component {
 }
 
 impl Component {
-    /// x <- x + K nu, and once more by what rounding left: of the exact x, z - H x is D / S nu.
-    fn anchor(&self, g: &mut Graph, gain: &Gain, innovation: Id, x: &mut [Id]) {
+    /// x <- x + K nu, and once more by what rounding left: of the exact x, z - H x is D / S nu. Of that the share `weight`.
+    fn anchor(&self, g: &mut Graph, gain: &Gain, innovation: Id, weight: Option<Id>, x: &mut [Id]) {
+        let before = x.to_vec();
         let moved_by = |g: &mut Graph, x: &mut [Id], by: Id| {
             for (x, K) in x.iter_mut().zip(&gain.K) {
                 let moved = g.mul(*K, by);
@@ -147,5 +176,17 @@ impl Component {
         let kept = g.mul(share, innovation);
         let left = g.sub(left, kept);
         moved_by(g, x, left);
+        if let Some(weight) = weight {
+            between(g, weight, &before, x);
+        }
+    }
+}
+
+/// x <- (1 - weight) before + weight x: where the weight is 1 or 0, one of the two to the last bit.
+pub(super) fn between(g: &mut Graph, weight: Id, before: &[Id], x: &mut [Id]) {
+    let one = g.constant(1.0);
+    let left = g.sub(one, weight);
+    for (x, before) in x.iter_mut().zip(before) {
+        *x = g.dot([(left, *before), (weight, *x)]);
     }
 }

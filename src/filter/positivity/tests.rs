@@ -37,6 +37,7 @@ fn positivity(problem: &Problem, time: &[f64]) -> Positivity {
         inputs: vec![],
         truth: vec![],
         trajectories: vec![trajectory],
+        ..Log::default()
     };
     Positivity::new(problem, &Rows::new(problem, &log)).unwrap()
 }

@@ -1,6 +1,7 @@
 //! Objectives of the innovations: `mse_innovation`, `nis`, and what others share with them.
 
 use super::{Pools, Scoring, Traced};
+use crate::filter::Place;
 use crate::objective::Objective;
 
 /// Number of present components over the rows that score.
@@ -25,6 +26,20 @@ pub(super) fn finish_nis_mean(pools: &Pools<'_>) -> f64 {
 /// |nis_mean - 1|.
 pub(super) fn finish_nis(pools: &Pools<'_>) -> f64 {
     (finish_nis_mean(pools) - 1.0).abs()
+}
+
+/// `rejected`: over the rows with a measurement.
+pub(super) fn trace_rejected(objective: &Objective, scoring: &mut Scoring<'_, '_>) -> Traced {
+    let skip = objective.skip;
+    let counts = |place: Place<'_>| f64::from(u8::from(place.k >= skip && place.components() > 0));
+    let weight = scoring.weight(counts);
+    let rejected = scoring.rejected();
+    Traced { sums: vec![scoring.sum(rejected, weight)], counts: scoring.counts(counts) }
+}
+
+/// Mean of one less the weight of a row.
+pub(super) fn finish_rejected(pools: &Pools<'_>) -> f64 {
+    pools.total(0) / pools.count()
 }
 
 /// `mse_innovation` (f1): one sum of nu^2 of the present components.

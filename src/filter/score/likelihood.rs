@@ -4,7 +4,7 @@ use super::{Pools, Scoring, Traced};
 use crate::objective::Objective;
 use std::f64::consts::TAU;
 
-/// Sums: that of the exponents, then ln of the factors (ln det S, for a gaussian) in pieces.
+/// Sums: that of the exponents, then ln of the factors (ln det S, for a gaussian) in pieces, then what has a power of its own.
 pub(super) fn trace(objective: &Objective, scoring: &mut Scoring<'_, '_>) -> Traced {
     let skip = objective.skip;
     let weight = scoring.weight(|place| f64::from(u8::from(place.k >= skip)));
@@ -12,6 +12,10 @@ pub(super) fn trace(objective: &Objective, scoring: &mut Scoring<'_, '_>) -> Tra
     for (component, factor) in scoring.factors() {
         let gate = scoring.weight(|place| f64::from(u8::from(place.k >= skip && place.present(component))));
         sums.push(scoring.log_product(factor, gate));
+    }
+    for (value, power) in scoring.powers() {
+        let gate = scoring.weight(|place| f64::from(u8::from(place.k >= skip && place.components() > 0)));
+        sums.push(scoring.log_power(value, power, gate));
     }
     Traced { sums, counts: super::innovation::component_counts(objective, scoring) }
 }

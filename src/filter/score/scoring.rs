@@ -1,9 +1,9 @@
 //! What objectives see of a filter while it is traced.
 
-use super::sums::Sum;
+use super::sums::{Mean, Sum};
 use crate::filter::carried::Role;
 use crate::filter::columns::Key;
-use crate::filter::evidence::{Evidence, Factor};
+use crate::filter::evidence::{Evidence, Factor, Power};
 use crate::filter::leads::Leads;
 use crate::filter::memory::{Memo, Recall};
 use crate::filter::rows::{Place, Rows};
@@ -53,7 +53,7 @@ impl<'a, 'b> Scoring<'a, 'b> {
         leads: &'a Leads,
         recall: Recall<'a>,
     ) -> Self {
-        let factors = evidence.factors.iter().map(|factor| factor.value);
+        let factors = evidence.likelihood.factors.iter().map(|factor| factor.value);
         let positive = factors.chain(evidence.positive.iter().copied()).collect();
         Self { t, evidence, leads, recall, sums: vec![], positive, asked: (0, 0) }
     }
@@ -127,18 +127,30 @@ impl<'a, 'b> Scoring<'a, 'b> {
     /// The factors of the likelihood of the row, each with the component of the measurement that it stands for.
     pub(crate) fn factors(&self) -> Vec<(usize, Scaled)> {
         let factor = |factor: &Factor| (factor.component, self.variance(factor.component, factor.value));
-        self.evidence.factors.iter().map(factor).collect()
+        self.evidence.likelihood.factors.iter().map(factor).collect()
+    }
+
+    /// What counts with a power of its own in the likelihood of the row.
+    pub(crate) fn powers(&self) -> Vec<(Scaled, Id)> {
+        let power = |power: &Power| (Scaled { id: power.value, exponent: 0 }, power.power);
+        self.evidence.likelihood.powers.iter().map(power).collect()
     }
 
     /// The exponent of the likelihood of the row, times -2; 0 where nothing is measured.
     pub(crate) const fn exponent(&self) -> Scaled {
-        Scaled { id: self.evidence.exponent, exponent: 0 }
+        Scaled { id: self.evidence.likelihood.exponent, exponent: 0 }
     }
 
     /// The NIS of the row, 0 where nothing is measured.
     pub(crate) fn nis(&mut self) -> Scaled {
         let nan = self.t.g.constant(f64::NAN);
         Scaled { id: self.evidence.nis.unwrap_or(nan), exponent: 0 }
+    }
+
+    /// One less the weight of the row, 0 where nothing is measured.
+    pub(crate) fn rejected(&mut self) -> Scaled {
+        let zero = self.t.g.constant(0.0);
+        Scaled { id: self.evidence.rejected.unwrap_or(zero), exponent: 0 }
     }
 
     /// Number of states, n.
@@ -256,7 +268,7 @@ impl<'a, 'b> Scoring<'a, 'b> {
     /// Adds `value` up over the rows of a trajectory.
     pub(crate) fn total_of(&mut self, value: Scaled) -> Sum {
         let slot = self.slot(Role::Sum, value.id);
-        Sum { slot, factor: 2.0_f64.powi(value.exponent), offset: 0.0 }
+        Sum { slot, factor: 2.0_f64.powi(value.exponent), offset: 0.0, power: None }
     }
 
     /// Adds the product of two numbers without a unit up over the rows of a trajectory.
@@ -272,7 +284,18 @@ impl<'a, 'b> Scoring<'a, 'b> {
         let positive = self.t.g.unary(Unary::Positive, value.id);
         let factor = self.t.g.select(gate.id, positive, one);
         let slot = self.slot(Role::Product, factor);
-        Sum { slot, factor: 1.0, offset: gate.total * f64::from(value.exponent) * LN_2 }
+        Sum { slot, factor: 1.0, offset: gate.total * f64::from(value.exponent) * LN_2, power: None }
+    }
+
+    /// The same times `power`, which no row changes.
+    pub(crate) fn log_power(&mut self, value: Scaled, power: Id, gate: Weight) -> Sum {
+        let sum = self.log_product(value, gate);
+        if let Some(power) = self.t.g.value(power) {
+            return Sum { factor: power, offset: power * sum.offset, ..sum };
+        }
+        let slot = self.slot(Role::Sum, power);
+        let rows = super::innovation::count(self.t.rows.len());
+        Sum { power: Some(Mean { slot, rows }), ..sum }
     }
 
     fn slot(&mut self, role: Role, value: Id) -> usize {

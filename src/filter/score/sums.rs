@@ -1,12 +1,20 @@
 //! What objectives see of the sums of a filter when it has run.
 
 /// What becomes of the total in a slot of the program: `factor * total + offset`, exactly 1 and 0 where the filter computes
-/// in the problem's own units.
+/// in the problem's own units; times a candidate's own value, where there is a `power`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Sum {
     pub(super) slot: usize,
     pub(super) factor: f64,
     pub(super) offset: f64,
+    pub(super) power: Option<Mean>,
+}
+
+/// A value that depends on the candidate alone: the total in a slot over the number of rows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Mean {
+    pub(super) slot: usize,
+    pub(super) rows: f64,
 }
 
 /// The sums of one objective, and over how much they run.
@@ -21,7 +29,9 @@ pub(crate) struct Traced {
 impl Traced {
     /// The same with its sums in the slots `of` those that were asked for.
     pub(in crate::filter) fn in_slots(&self, of: &[usize]) -> Self {
-        let sums = self.sums.iter().map(|sum| Sum { slot: of[sum.slot], ..*sum }).collect();
+        let mean = |mean: Mean| Mean { slot: of[mean.slot], ..mean };
+        let sum = |sum: &Sum| Sum { slot: of[sum.slot], power: sum.power.map(mean), ..*sum };
+        let sums = self.sums.iter().map(sum).collect();
         Self { sums, counts: self.counts.clone() }
     }
 }
@@ -39,8 +49,9 @@ pub(crate) struct Pools<'a> {
 impl Pools<'_> {
     /// The objective's sum `j`, in the problem's own units.
     pub(crate) fn total(&self, j: usize) -> f64 {
-        let Sum { slot, factor, offset } = self.traced.sums[j];
-        factor * self.totals[slot] + offset
+        let Sum { slot, factor, offset, power } = self.traced.sums[j];
+        let total = factor * self.totals[slot] + offset;
+        power.map_or(total, |Mean { slot, rows }| total * (self.totals[slot] / rows))
     }
 
     /// Number of sums.

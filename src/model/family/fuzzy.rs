@@ -23,7 +23,7 @@ impl Described for Fuzzy {
     const KEYS: &'static [&'static str] = &["window", "gain", "width"];
 
     fn read(settings: &dyn Settings) -> Result<Self, Fault> {
-        let window = settings.count("window", 15, MAX_WINDOW)?;
+        let window = settings.count("window", 15, 1, MAX_WINDOW)?;
         Ok(Self { window, gain: settings.formula("gain", 0.1)?, width: settings.formula("width", 0.5)? })
     }
 

@@ -20,7 +20,7 @@ impl Described for Iterated {
     const LINEAR: bool = false;
 
     fn read(settings: &dyn Settings) -> Result<Self, Fault> {
-        Ok(Self { iterations: settings.count("iterations", 3, MOST)? })
+        Ok(Self { iterations: settings.count("iterations", 3, 1, MOST)? })
     }
 
     fn settings(&self) -> Vec<Setting<'_>> {

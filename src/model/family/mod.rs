@@ -8,6 +8,7 @@ mod extended;
 mod fuzzy;
 mod iterated;
 mod kalman;
+mod robust;
 mod sage_husa;
 mod sage_husa_r;
 mod setting;
@@ -18,6 +19,7 @@ pub use extended::Extended;
 pub use fuzzy::Fuzzy;
 pub use iterated::Iterated;
 pub use kalman::Kalman;
+pub use robust::{Outliers, Robust};
 pub use sage_husa::SageHusa;
 pub use sage_husa_r::SageHusaR;
 pub use setting::{Range, Setting};
@@ -54,8 +56,10 @@ pub(super) trait Settings {
     fn states(&self) -> usize;
     /// A formula of parameters.
     fn formula(&self, key: &'static str, default: f64) -> Result<Expr, Fault>;
-    /// A whole number from 1 to `largest`.
-    fn count(&self, key: &'static str, default: usize, largest: u32) -> Result<usize, Fault>;
+    /// A formula of parameters for each measurement, in their order; `None` where the key is not there.
+    fn formula_of_each(&self, key: &'static str) -> Result<Option<Vec<Expr>>, Fault>;
+    /// A whole number from `least` to `largest`.
+    fn count(&self, key: &'static str, default: usize, least: u32, largest: u32) -> Result<usize, Fault>;
 }
 
 /// What the file of a family says.

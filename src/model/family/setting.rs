@@ -10,6 +10,10 @@ pub enum Range {
     Share,
     /// From 0 to below 1.
     BelowOne,
+    /// Above 0, below 1.
+    Inside,
+    /// Above 2.
+    AboveTwo,
     /// Above 0.
     Positive,
     /// 0 or above.
@@ -58,6 +62,8 @@ impl Range {
         match self {
             Self::Share => value > 0.0 && value <= 1.0,
             Self::BelowOne => (0.0..1.0).contains(&value),
+            Self::Inside => value > 0.0 && value < 1.0,
+            Self::AboveTwo => value > 2.0 && value.is_finite(),
             Self::Positive => value > 0.0 && value.is_finite(),
             Self::NotNegative => value >= 0.0 && value.is_finite(),
             Self::Any => value.is_finite(),
@@ -70,6 +76,8 @@ impl fmt::Display for Range {
         f.write_str(match self {
             Self::Share => "a number above 0, up to 1",
             Self::BelowOne => "a number from 0 to below 1",
+            Self::Inside => "a number above 0, below 1",
+            Self::AboveTwo => "a number above 2",
             Self::Positive => "a number above 0",
             Self::NotNegative => "a number from 0",
             Self::Any => "a finite number",

@@ -5,23 +5,45 @@ use super::observation::keys_of_h;
 use crate::model::error::{Cause, Fault, nearest};
 use crate::model::family::Settings;
 use crate::model::formula::{FormulaPlace, Names, Scope};
-use crate::model::{Adapts, Expr, FilterKind, Model, Parameters, Start, linear};
+use crate::model::{Adapts, Expr, FilterKind, Model, Parameters, Robust, Setting, Start, linear};
 use crate::words::shorten;
 
-/// Reads `[filter]`; the linear Kalman filter without one.
+/// Reads `[filter]`, and how its updates withstand outliers; the linear Kalman filter without one.
 pub(super) fn read(
     document: &Fields<'_>,
     model: &Model,
     parameters: &Parameters,
     names: &Names,
-) -> Result<FilterKind, Fault> {
-    let Some(node) = document.get("filter") else { return checked(document, model, FilterKind::default()) };
-    let kind = node.table("a table", &[])?.optional("kind", find)?.unwrap_or(FilterKind::NAMES[0]);
-    let fields = node.table("a table", &[&["kind"], FilterKind::keys(kind)].concat())?;
-    let filter = FilterKind::read(kind, &Keys { fields: &fields, names, states: model.states.len() })?;
-    check_settings(&fields, &filter, parameters)?;
+) -> Result<(FilterKind, Option<Robust>), Fault> {
+    let Some(node) = document.get("filter") else {
+        return Ok((checked(document, model, FilterKind::default())?, None));
+    };
+    let named = node.table("a table", &[])?;
+    let kind = named.optional("kind", |node| find(node, "the filter", FilterKind::NAMES))?;
+    let kind = kind.unwrap_or(FilterKind::NAMES[0]);
+    let robust = named.optional("robust", |node| find(node, "the robust update", &Robust::NAMES))?;
+    let own = robust.map_or_else(Vec::new, Robust::keys);
+    let fields = node.table("a table", &[&["kind", "robust"], FilterKind::keys(kind), &own].concat())?;
+    let keys = Keys { fields: &fields, names, states: model.states.len(), measurements: model.measurements.len() };
+    let filter = FilterKind::read(kind, &keys)?;
+    let robust = robust.map(|name| Robust::read(name, &keys)).transpose()?;
+    check_settings(&fields, &filter.settings(), parameters)?;
+    check_settings(&fields, &robust.as_ref().map_or_else(Vec::new, Robust::settings), parameters)?;
     check_noise(&fields, &filter, model)?;
-    checked(document, model, filter)
+    check_robust(&fields, &filter)?;
+    Ok((checked(document, model, filter)?, robust))
+}
+
+/// Robust updates are those of filters that adapt nothing.
+fn check_robust(fields: &Fields<'_>, filter: &FilterKind) -> Result<(), Fault> {
+    match fields.get("robust") {
+        Some(robust) if filter.facts().adapts != Adapts::Nothing => Err(robust.invalid(format!(
+            "the {} filter adapts its noise to what a robust update takes for outliers: set `kind` to a filter that adapts \
+             nothing, or remove `robust`",
+            filter.name()
+        ))),
+        _ => Ok(()),
+    }
 }
 
 /// A filter that fits f and h.
@@ -59,6 +81,13 @@ struct Keys<'a> {
     fields: &'a Fields<'a>,
     names: &'a Names,
     states: usize,
+    measurements: usize,
+}
+
+impl Keys<'_> {
+    const fn scope(&self) -> Scope<'_> {
+        Scope { names: self.names, place: FormulaPlace::Constant, key: "" }
+    }
 }
 
 impl Settings for Keys<'_> {
@@ -67,29 +96,42 @@ impl Settings for Keys<'_> {
     }
 
     fn formula(&self, key: &'static str, default: f64) -> Result<Expr, Fault> {
-        let scope = Scope { names: self.names, place: FormulaPlace::Constant, key: "" };
-        let found = self.fields.optional(key, |node| node.formula(scope))?;
+        let found = self.fields.optional(key, |node| node.formula(self.scope()))?;
         Ok(found.unwrap_or_else(|| Expr::number(default)))
     }
 
-    fn count(&self, key: &'static str, default: usize, largest: u32) -> Result<usize, Fault> {
-        Ok(self.fields.optional(key, |node| node.count(1, largest))?.unwrap_or(default))
+    fn formula_of_each(&self, key: &'static str) -> Result<Option<Vec<Expr>>, Fault> {
+        let Some(node) = self.fields.get(key) else { return Ok(None) };
+        let one = node.value.is_str() || node.value.as_float().is_some() || node.value.as_integer().is_some();
+        if one && self.measurements == 1 {
+            return Ok(Some(vec![node.formula(self.scope())?]));
+        }
+        let entries = node.list("a list with one number or formula a measurement")?;
+        if entries.len() != self.measurements {
+            return Err(node.wrong_count(entries.len(), format!("{}, one a measurement", self.measurements)));
+        }
+        entries.iter().map(|entry| entry.formula(self.scope())).collect::<Result<_, _>>().map(Some)
+    }
+
+    fn count(&self, key: &'static str, default: usize, least: u32, largest: u32) -> Result<usize, Fault> {
+        Ok(self.fields.optional(key, |node| node.count(least, largest))?.unwrap_or(default))
     }
 }
 
-fn find(node: &Node<'_>) -> Result<&'static str, Fault> {
+/// One of some names.
+fn find(node: &Node<'_>, what: &'static str, names: &[&'static str]) -> Result<&'static str, Fault> {
     let name = node.string()?;
-    FilterKind::NAMES.iter().copied().find(|known| *known == name).ok_or_else(|| {
-        let nearest = nearest(name, FilterKind::NAMES.iter().copied());
-        let known = FilterKind::NAMES.iter().map(|known| (*known).to_owned()).collect();
-        node.fault(Cause::NoSuch { key: node.key.clone(), what: "the filter", name: shorten(name), nearest, known })
+    names.iter().copied().find(|known| *known == name).ok_or_else(|| {
+        let nearest = nearest(name, names.iter().copied());
+        let known = names.iter().map(|known| (*known).to_owned()).collect();
+        node.fault(Cause::NoSuch { key: node.key.clone(), what, name: shorten(name), nearest, known })
     })
 }
 
 /// Settings are in their ranges at the start values.
-fn check_settings(fields: &Fields<'_>, filter: &FilterKind, parameters: &Parameters) -> Result<(), Fault> {
+fn check_settings(fields: &Fields<'_>, settings: &[Setting<'_>], parameters: &Parameters) -> Result<(), Fault> {
     let values = parameters.resolve(&parameters.baseline());
-    for setting in filter.settings() {
+    for setting in settings {
         let value = setting.value(&values);
         if setting.range.contains(value) {
             continue;

@@ -111,9 +111,10 @@ fn read(text: &str, source: &str) -> Result<Problem, Fault> {
     data.readers = observation::readers(&data, &model);
     let simulate = simulate::read(&document, &model, &parameters, &names, &data)?;
     let tune = tune::tune(&document, &data, &model.states)?;
-    let filter = filter::read(&document, &model, &parameters, &names)?;
-    let problem =
-        Problem { source: source.to_owned(), text: text.to_owned(), data, model, parameters, filter, tune, simulate };
+    let (filter, robust) = filter::read(&document, &model, &parameters, &names)?;
+    tune::check_robust(&document, &tune, robust.as_ref())?;
+    let (source_name, whole) = (source.to_owned(), text.to_owned());
+    let problem = Problem { source: source_name, text: whole, data, model, parameters, filter, robust, tune, simulate };
     definite::check(&problem).map_err(|(path, cause)| {
         let path: Vec<&str> = path.iter().map(String::as_str).collect();
         Fault::new(locate(text, &path), cause)

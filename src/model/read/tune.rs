@@ -4,7 +4,7 @@ use super::node::{Fields, Node};
 use super::{constraints, objectives, pick};
 use crate::data::DataSpec;
 use crate::model::error::{Cause, Fault, nearest};
-use crate::model::{Pick, TuneSpec};
+use crate::model::{Pick, Robust, TuneSpec};
 use crate::objective::{Kind, Objective};
 use crate::optimize::ALGORITHMS;
 use crate::words::shorten;
@@ -25,6 +25,17 @@ const KEYS: [&str; 10] = [
 ];
 /// Of one objective, and of several.
 const DEFAULT_ALGORITHMS: [&str; 2] = ["pso", "nsga2"];
+
+/// What a constraint bounds is there.
+pub(super) fn check_robust(document: &Fields<'_>, tune: &TuneSpec, robust: Option<&Robust>) -> Result<(), Fault> {
+    if robust.is_some() || tune.constraints.iter().all(|constraint| constraint.measure.kind != Kind::Rejected) {
+        return Ok(());
+    }
+    let fields = document.need("tune", "a table")?.table("a table", &[])?;
+    Err(fields.need("constraints", "a list of constraints")?.invalid(
+        "without robust updates no row is rejected: set `robust` in [filter], or remove the constraint on `rejected`",
+    ))
+}
 
 /// Reads `[tune]`, filling in defaults.
 pub(super) fn tune(document: &Fields<'_>, data: &DataSpec, states: &[String]) -> Result<TuneSpec, Fault> {

@@ -65,6 +65,8 @@ fn share(objective: &Objective, step: &Step, error: &impl Fn(usize) -> Option<f6
         Kind::Mismatch => step.update.as_ref().map(|update| (update.nu.norm_squared(), update.s.trace())),
         Kind::Nis | Kind::NisMean => step.update.as_ref().map(|update| (update.nis, components(update))),
         Kind::NisDistribution | Kind::Whiteness | Kind::Prediction => None,
+        // No objective, so that nobody asks.
+        Kind::Rejected => None,
         Kind::Nees | Kind::NeesMean => step.nees.map(|nees| (nees, states as f64)),
         Kind::Rmse | Kind::Distance => {
             let all: Vec<usize> = (0..states).filter(|state| error(*state).is_some()).collect();
@@ -108,7 +110,8 @@ impl PerRow {
             | Kind::NeesMean
             | Kind::NisDistribution
             | Kind::Whiteness
-            | Kind::Prediction => mean,
+            | Kind::Prediction
+            | Kind::Rejected => mean,
         }
     }
 
@@ -139,7 +142,8 @@ impl PerRow {
             | Kind::NeesMean
             | Kind::NisDistribution
             | Kind::Whiteness
-            | Kind::Prediction => 1.0,
+            | Kind::Prediction
+            | Kind::Rejected => 1.0,
         };
         let of = |row: &(usize, f64, f64)| slope * (row.1 - mean * row.2) / weight;
         Influence { rows: self.trajectories().map(|rows| rows.iter().map(of).collect()).collect(), trajectories: None }

@@ -6,8 +6,8 @@
 
 use super::sum::Sum;
 use crate::model::{
-    Angles, Expr, ExprKind, FilterKind, First, Model, Parameter, Parameters, Problem, Scale, Search, Start, Symbol,
-    TuneSpec, Value,
+    Angles, Expr, ExprKind, FilterKind, First, Model, Parameter, Parameters, Problem, Robust, Scale, Search, Start,
+    Symbol, TuneSpec, Value,
 };
 use crate::objective::{Constraint, Kind, Objective};
 
@@ -25,10 +25,12 @@ impl Canon {
 
     /// What the bits of a search over it depend on, but for the log.
     pub(super) fn problem(&mut self, problem: &Problem) {
-        let Problem { source: _, text: _, data: _, model, parameters, filter, tune, simulate: _ } = problem;
+        let Problem { source: _, text: _, data: _, model, parameters, filter, robust, tune, simulate: _ } = problem;
         self.model(model);
         self.parameters(parameters);
         self.filter(filter);
+        // Problems without robust updates keep the identity that they had before there were any.
+        robust.iter().for_each(|robust| self.robust(robust));
         self.tune(tune);
     }
 
@@ -134,6 +136,16 @@ impl Canon {
             self.formula(setting.formula);
         }
         filter.sizes().into_iter().for_each(|size| self.0.number(size as u64));
+    }
+
+    fn robust(&mut self, robust: &Robust) {
+        self.0.text("robust");
+        self.0.text(robust.name());
+        for setting in robust.settings() {
+            self.0.text(setting.key);
+            self.formula(setting.formula);
+        }
+        robust.sizes().into_iter().for_each(|size| self.0.number(size as u64));
     }
 
     fn tune(&mut self, tune: &TuneSpec) {

@@ -65,7 +65,7 @@ fn hexadecimal(bytes: [u8; 32]) -> String {
 }
 
 fn of_log(log: &Log) -> [u8; 32] {
-    let Log { source: _, measurements, inputs, truth, trajectories, times: _ } = log;
+    let Log { source: _, measurements, inputs, truth, trajectories, times: _, ranges: _ } = log;
     let mut sum = Sum::new();
     [measurements, inputs, truth].iter().for_each(|names| sum.names(names));
     sum.number(trajectories.len() as u64);

@@ -105,7 +105,7 @@ fn diagonal(g: &mut Graph, variances: &[Id]) -> Symmetric {
 
 /// Positive while the searched settings of the filter are in their ranges.
 pub(super) fn in_range(t: &mut Tracer<'_>, settings: &[Id]) -> Vec<Id> {
-    let ranges = t.problem.filter.settings().into_iter().map(|setting| setting.range);
+    let ranges = t.problem.settings().into_iter().map(|setting| setting.range);
     let searched: Vec<_> = ranges.zip(settings).filter(|(_, value)| t.g.value(**value).is_none()).collect();
     searched.into_iter().map(|(range, value)| within(&mut t.g, range, *value)).collect()
 }
@@ -124,6 +124,14 @@ fn within(g: &mut Graph, range: Range, value: Id) -> Id {
         Range::Share => {
             let above = g.sub(value, one);
             g.select(above, no, value)
+        }
+        Range::Inside => {
+            let rest = g.sub(one, value);
+            g.select(value, rest, no)
+        }
+        Range::AboveTwo => {
+            let two = g.constant(2.0);
+            g.sub(value, two)
         }
         Range::BelowOne => {
             let (below, rest) = (g.neg(value), g.sub(one, value));

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use kfgpu::model::{FilterKind, Function, Problem, built_in_models};
+use kfgpu::model::{FilterKind, Function, Problem, Robust, built_in_models};
 use kfgpu::objective::Kind;
 use kfgpu::optimize::ALGORITHMS;
 
@@ -55,6 +55,7 @@ fn the_supported_table_has_what_the_registries_have() {
     };
     check("models", built_in_models().collect());
     check("filters", FilterKind::NAMES.to_vec());
+    check("outliers", Robust::NAMES.to_vec());
     check("functions", Function::ALL.iter().map(|(name, _)| *name).collect());
     check("objectives", Kind::ALL.iter().map(|(name, _)| *name).collect());
     check("optimisers", ALGORITHMS.iter().map(|row| row.name).collect());

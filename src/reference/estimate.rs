@@ -22,12 +22,14 @@ pub struct Update {
     pub nu: DVector<f64>,
     /// Its covariance, p x p.
     pub s: DMatrix<f64>,
-    /// Gain, n x p.
+    /// Gain, n x p, times the weight of the row.
     pub k: DMatrix<f64>,
     /// nu' S^-1 nu.
     pub nis: f64,
-    /// (p ln 2 pi + ln det S + NIS) / 2 \[nats\].
+    /// Minus the logarithm of the density of the innovation \[nats\]: (p ln 2 pi + ln det S + NIS) / 2, but for robust updates.
     pub nll: f64,
+    /// One less the weight of the row, 0 to 1: 0 where it counted in full.
+    pub rejected: f64,
 }
 
 /// The noise that an adaptive filter has arrived at, for what follows a row.
@@ -49,6 +51,7 @@ impl Update {
             k: DMatrix::zeros(n, 0),
             nis: 0.0,
             nll: 0.0,
+            rejected: 0.0,
         }
     }
 }

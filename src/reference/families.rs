@@ -5,18 +5,28 @@ use super::adapt::{Fuzzy, SageHusa, SageHusaR};
 use super::filter::Filter;
 use super::kalman::Kalman;
 use super::matrices::Formulas;
+use super::robust::Withstanding;
 use super::sigma::SigmaPoints;
-use crate::model::{FilterKind, Model};
+use crate::data::Log;
+use crate::model::{FilterKind, Problem, Setting};
 
-/// The filter of `model` for a candidate: `parameters` are all values.
+/// The filter of a problem for a candidate, over a log: `parameters` are all values.
 ///
 /// # Errors
 /// If a setting is outside its range.
-pub(super) fn of(kind: &FilterKind, model: &Model, parameters: Vec<f64>) -> Result<Box<dyn Filter>, Cause> {
-    let values = settings(kind, &parameters)?;
+pub(super) fn of(problem: &Problem, log: &Log, parameters: Vec<f64>) -> Result<Box<dyn Filter>, Cause> {
+    let inner = plain(problem, parameters.clone())?;
+    let Some(robust) = &problem.robust else { return Ok(inner) };
+    let values = settings(&robust.settings(), &parameters)?;
+    Ok(Box::new(Withstanding::new(inner, robust, &values, (problem, parameters), &log.ranges())))
+}
+
+/// The same with updates that count in full.
+fn plain(Problem { filter, model, .. }: &Problem, parameters: Vec<f64>) -> Result<Box<dyn Filter>, Cause> {
+    let values = settings(&filter.settings(), &parameters)?;
     let formulas = Formulas::new(model, parameters);
     let m = formulas.m;
-    Ok(match kind {
+    Ok(match filter {
         FilterKind::Kalman(_) => Box::new(Kalman::new(formulas, None)),
         FilterKind::SageHusa(_) => Box::new(Kalman::new(formulas, Some(Box::new(SageHusa::new(&values))))),
         FilterKind::SageHusaR(_) => Box::new(Kalman::new(formulas, Some(Box::new(SageHusaR::new(&values, m))))),
@@ -30,11 +40,11 @@ pub(super) fn of(kind: &FilterKind, model: &Model, parameters: Vec<f64>) -> Resu
     })
 }
 
-/// The values of a filter's settings, each in its range.
-fn settings(kind: &FilterKind, parameters: &[f64]) -> Result<Vec<f64>, Cause> {
-    let of = |setting: &crate::model::Setting<'_>| {
+/// The values of settings, each in its range.
+fn settings(all: &[Setting<'_>], parameters: &[f64]) -> Result<Vec<f64>, Cause> {
+    let of = |setting: &Setting<'_>| {
         let value = setting.value(parameters);
         if setting.range.contains(value) { Ok(value) } else { Err(Cause::Setting { key: setting.key }) }
     };
-    kind.settings().iter().map(of).collect()
+    all.iter().map(of).collect()
 }

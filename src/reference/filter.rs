@@ -1,6 +1,6 @@
 //! What a filter is to the walk through a log, whatever it carries.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::Cause;
 use super::estimate::{Estimate, Noise, Update};
@@ -23,6 +23,9 @@ pub(super) trait Filter {
     /// prior.
     fn update(&mut self, z: &[f64], inputs: &[f64]) -> Result<bool, Cause>;
 
+    /// Puts another posterior, with B of P = B' B, in the place of what the latest update made.
+    fn amend(&mut self, posterior: Estimate, root: DMatrix<f64>);
+
     /// What it has now.
     fn state(&self) -> State<'_>;
 }
@@ -40,6 +43,17 @@ pub(super) struct State<'a> {
     pub(super) noise: Noise<'a>,
     /// What the filter took f and h for; `None` where they are affine, and as the model has them.
     pub(super) taken: Option<Taken<'a>>,
+    /// The latest update as a plain one, where it was robust.
+    pub(super) reweighed: Option<&'a Reweighed>,
+}
+
+/// H, nu and R with which a plain update has the gain of a robust one; p components.
+#[derive(Debug, Clone)]
+pub(super) struct Reweighed {
+    pub(super) h: DMatrix<f64>,
+    pub(super) nu: DVector<f64>,
+    /// `None` where the row was rejected.
+    pub(super) r: Option<DMatrix<f64>>,
 }
 
 /// The linear model with which a Kalman filter would have done what a filter of nonlinear f and h did in a row.
@@ -54,5 +68,5 @@ pub(super) struct Taken<'a> {
     /// Its R, with what the curvature of h adds, p x p.
     pub(super) r: &'a DMatrix<f64>,
     /// The innovation that K was applied to, p: x = x- + K nu.
-    pub(super) nu: &'a nalgebra::DVector<f64>,
+    pub(super) nu: &'a DVector<f64>,
 }

@@ -198,6 +198,11 @@ impl Filter for Kalman {
         Ok(true)
     }
 
+    fn amend(&mut self, posterior: Estimate, root: DMatrix<f64>) {
+        self.posterior = posterior;
+        self.posterior_root = root;
+    }
+
     fn state(&self) -> State<'_> {
         let Self { prior, posterior, posterior_root, observation, transition, .. } = self;
         let taken = Taken {
@@ -214,6 +219,7 @@ impl Filter for Kalman {
             update: &observation.update,
             noise: Noise { q: self.adapted_q(), r: &observation.r_whole },
             taken: self.linearisations.map(|_| taken),
+            reweighed: None,
         }
     }
 }

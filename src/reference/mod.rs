@@ -16,6 +16,7 @@ mod matrices;
 mod observation;
 mod points;
 mod prediction;
+mod robust;
 mod run;
 mod score;
 mod sigma;

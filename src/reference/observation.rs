@@ -158,7 +158,7 @@ impl Observation {
 
     /// S, K, NIS and the log-likelihood of nu, from the root of the prior covariance.
     pub(super) fn gain(&mut self, root: &DMatrix<f64>) -> Result<(), Cause> {
-        let Update { present, nu, s, k, nis, nll } = &mut self.update;
+        let Update { present, nu, s, k, nis, nll, .. } = &mut self.update;
         let (p, n) = (present.len(), root.nrows());
         self.seen.gemm(1.0, root, &self.h.transpose, 0.0);
         self.stacked.fill(0.0);

@@ -123,7 +123,7 @@ pub(super) fn walk(
     visit: &mut impl FnMut(Moment),
 ) -> Result<(), Failure> {
     let model = &problem.model;
-    let mut filter = families::of(&problem.filter, model, problem.parameters.resolve(candidate))
+    let mut filter = families::of(problem, log, problem.parameters.resolve(candidate))
         .map_err(|cause| Failure::at(log, 0, 0, cause))?;
     if log.measurements.len() != model.measurements.len() || log.inputs.len() != model.inputs.len() {
         return Err(Failure::at(log, 0, 0, Cause::WrongColumns));

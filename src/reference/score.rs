@@ -161,6 +161,7 @@ impl Sum<'_> {
         match self.objective.kind {
             Kind::Nll => self.add(Some(update.nll), components),
             Kind::MseInnovation => self.add(Some(update.nu.norm_squared()), components),
+            Kind::Rejected => self.add(Some(update.rejected), 1),
             Kind::Nis | Kind::NisMean => self.add(Some(update.nis), components),
             Kind::NisDistribution => self.uniformity.add(update),
             Kind::Whiteness => self.whiteness.add(update),

@@ -144,7 +144,7 @@ impl Filter for SigmaPoints {
             return Ok(false);
         }
         let (Moments { mean, covariance, cross, excess }, root) = self.predicted_measurement(inputs)?;
-        let Update { present, nu, s, k, nis, nll } = &mut self.update;
+        let Update { present, nu, s, k, nis, nll, .. } = &mut self.update;
         let measured = DVector::from_iterator(present.len(), present.iter().map(|i| z[*i]));
         let r = self.r.select_rows(&*present).select_columns(&*present);
         *nu = wrap_angles(&self.formulas, present, measured - mean);
@@ -169,6 +169,11 @@ impl Filter for SigmaPoints {
         Ok(true)
     }
 
+    fn amend(&mut self, posterior: Estimate, _: DMatrix<f64>) {
+        self.posterior = posterior;
+        self.find_root();
+    }
+
     fn state(&self) -> State<'_> {
         let Self { prior, posterior, posterior_root, update, r, f, q, h, r_and_excess, .. } = self;
         State {
@@ -178,6 +183,7 @@ impl Filter for SigmaPoints {
             update,
             noise: Noise { q: None, r },
             taken: Some(Taken { f, q, h, r: r_and_excess, nu: &update.nu }),
+            reweighed: None,
         }
     }
 }

@@ -15,6 +15,9 @@
 //! P, J and Q may be singular: (A^-1 + B)^-1 = L (I + L' B L)^-1 L' with A = L L' inverts nothing that can be, and
 //! subtracts nothing.
 //!
+//! A robust filter is smoothed with the R that gives a plain update the same gain: R + (1 / w - 1) S for a weight of w. Of the
+//! mixture the filter's P holds the spread of the two means besides.
+//!
 //! An adaptive filter is smoothed with the Q and R that it used in each step: its x and P are those of the model with
 //! these, so its smoothed estimates are too.
 //!
@@ -26,7 +29,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
 use super::estimate::{Estimate, Update, symmetrise};
-use super::filter::Taken;
+use super::filter::{Reweighed, Taken};
 use super::matrices::{Affine, Formulas};
 use super::run::walk;
 use super::step::Moment;
@@ -67,6 +70,7 @@ pub fn smooth(problem: &Problem, log: &Log, candidate: &[f64]) -> Result<Vec<Vec
             q: state.noise.q.cloned(),
             r: adapts.then(|| state.noise.r.clone()),
             linear: state.taken.map(|taken| Linear::of(taken, update.is_some())),
+            reweighed: state.reweighed.cloned(),
         });
     })?;
     let mut later = Later::new(problem, candidate);
@@ -88,6 +92,8 @@ struct Pass {
     r: Option<DMatrix<f64>>,
     /// What the filter took f and h for, where they are not affine.
     linear: Option<Linear>,
+    /// The update as a plain one, where it was robust.
+    reweighed: Option<Reweighed>,
 }
 
 /// F and Q of the step that led to a row, and H, R and nu of its update, where it has one.
@@ -140,7 +146,7 @@ impl Later {
         let mut smoothed: Vec<Smoothed> = Vec::with_capacity(passes.len());
         let mut step: Option<[DMatrix<f64>; 2]> = None;
         let mut passes = passes.into_iter().rev().peekable();
-        while let Some(Pass { smoothed: mut pass, update, q, linear, .. }) = passes.next() {
+        while let Some(Pass { smoothed: mut pass, update, q, linear, reweighed, .. }) = passes.next() {
             let (row, inputs) = (pass.row, trajectory.u.row(pass.row));
             let failed = |cause| (row, cause);
             // Nothing follows the last row: its posterior is what it is.
@@ -157,9 +163,11 @@ impl Later {
             }
             if let Some(update) = update {
                 let r = passes.peek().and_then(|before| before.r.as_ref());
-                match linear.as_ref().and_then(|linear| linear.update.as_ref()) {
-                    Some(([h, r], nu)) => self.before_update(h, r, &update.k, nu),
-                    None => self.before_affine_update(&update, inputs, r),
+                match (&reweighed, linear.as_ref().and_then(|linear| linear.update.as_ref())) {
+                    (Some(Reweighed { r: None, .. }), _) => Some(()),
+                    (Some(Reweighed { h, nu, r: Some(r) }), _) => self.before_update(h, r, &update.k, nu),
+                    (None, Some(([h, r], nu))) => self.before_update(h, r, &update.k, nu),
+                    (None, None) => self.before_affine_update(&update, inputs, r),
                 }
                 .ok_or_else(|| failed(Cause::SingularNoise))?;
             }

@@ -17,6 +17,7 @@ mod mean;
 mod over_time;
 mod place;
 mod portmanteau;
+mod rejected;
 mod rows;
 mod sensors;
 mod uncertainty;
@@ -37,6 +38,7 @@ pub use evidence::Evidence;
 pub use family::{JOINT_LEVEL, Test, TestKind};
 pub use over_time::{NisOverTime, NisSpan};
 pub use place::Place;
+pub use rejected::Rejected;
 pub use sensors::SensorNis;
 pub use uncertainty::{FlatDirection, Uncertainty};
 pub use verdict::{Finding, Verdict};
@@ -79,6 +81,9 @@ pub struct Consistency {
     pub whiteness: Vec<Whiteness>,
     /// NEES, where truth of all states is there.
     pub nees: Option<Nees>,
+    /// What robust updates left out. All that stands above but NEES is of the other rows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rejected: Option<Rejected>,
     /// Standard errors and flat directions, for the winner of a study; else null.
     #[serde(flatten)]
     pub uncertainty: Uncertainty,
@@ -126,10 +131,11 @@ impl Consistency {
             let [share, low, high] = [d.above_95, d.above_95_low, d.above_95_high].map(|share| 100.0 * share);
             format!("{share:.1} % of rows above their 95 % quantile of NIS (band {low:.1}..{high:.1} %)")
         });
+        let rejected = self.rejected.map(|rejected| rejected.to_string());
         let white = self.whiteness.iter().map(|w| ("white", Some(w.to_string())));
         let sensors = self.sensors.iter().map(|sensor| ("sensor", Some(sensor.to_string())));
         let facts = [("NIS", Some(nis))].into_iter().chain(sensors);
-        let facts = facts.chain([("NEES", nees), ("tails", tails)]).chain(white);
+        let facts = facts.chain([("NEES", nees), ("tails", tails), ("rejected", rejected)]).chain(white);
         facts.filter_map(|(label, fact)| Some((label.to_owned(), fact?))).collect()
     }
 }

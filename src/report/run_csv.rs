@@ -26,7 +26,7 @@ pub struct Columns {
 }
 
 /// Writes trajectory (where the log has them), time as the log writes it, posterior states, covariance `P_a_b`, prior innovations
-/// `nu_z`, their variances `S_z`, and `nis`; then smoothed states `x_smoothed` and covariance `P_a_b_smoothed`. A cell is
+/// `nu_z`, their variances `S_z`, and `nis`; of robust filters `rejected`, one less the weight of the row; then smoothed states `x_smoothed` and covariance `P_a_b_smoothed`. A cell is
 /// empty where nothing was measured; numbers read back bit for bit.
 #[derive(Debug)]
 pub struct RunTable<'a, W: Write> {
@@ -35,6 +35,7 @@ pub struct RunTable<'a, W: Write> {
     named: bool,
     /// Entries of P, in order.
     entries: Vec<(usize, usize)>,
+    robust: bool,
     smoothed: bool,
     table: csv::Writer<W>,
 }
@@ -49,7 +50,7 @@ impl<'a, W: Write> RunTable<'a, W> {
         let entries = entries(problem.model.states.len(), columns.covariance);
         let mut table = csv::Writer::from_writer(out);
         table.write_record(header(problem, named, &entries, columns.smoothed))?;
-        Ok(Self { log, named, entries, smoothed: columns.smoothed, table })
+        Ok(Self { log, named, entries, robust: problem.robust.is_some(), smoothed: columns.smoothed, table })
     }
 
     /// Writes one row of trajectory number `trajectory`, with its smoothed estimate where there are such columns.
@@ -63,6 +64,9 @@ impl<'a, W: Write> RunTable<'a, W> {
         let trajectory = &self.log.trajectories[trajectory];
         let time = self.log.time_text(trajectory, step.row);
         let mut cells = row(trajectory, (self.named, &time), step, &self.entries);
+        if self.robust {
+            cells.push(step.update.as_ref().map_or_else(String::new, |update| exact(update.rejected)));
+        }
         if self.smoothed {
             let n = step.posterior.x.len();
             match smoothed {
@@ -97,6 +101,7 @@ fn header(problem: &Problem, named: bool, entries: &[(usize, usize)], smoothed: 
     header.extend(problem.model.measurements.iter().map(|z| format!("nu_{z}")));
     header.extend(problem.model.measurements.iter().map(|z| format!("S_{z}")));
     header.push("nis".to_owned());
+    header.extend(problem.robust.as_ref().map(|_| "rejected".to_owned()));
     if smoothed {
         header.extend(states.iter().map(|x| format!("{x}_smoothed")));
         header.extend(entries.iter().map(|&(i, j)| format!("P_{}_{}_smoothed", states[i], states[j])));

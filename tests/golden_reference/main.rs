@@ -15,6 +15,7 @@ mod joint_density;
 mod linear_kinds;
 mod nonlinear;
 mod nonlinear_smoother;
+mod robust;
 mod rules;
 mod simulated;
 mod smoother;

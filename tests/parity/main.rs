@@ -13,6 +13,7 @@ mod logs;
 mod long;
 mod many;
 mod promise;
+mod robust;
 
 use case::{Case, Costs, Double, Single};
 use kfgpu::evaluate::{BuildError, CpuEvaluator, CpuOptions, Evaluation, Evaluator, Precision};

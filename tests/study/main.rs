@@ -11,6 +11,8 @@ use std::num::NonZero;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
+mod robust;
+
 fn open(name: &str) -> (Problem, Log) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
     let problem = Problem::open(&folder.join(name)).expect("a problem");

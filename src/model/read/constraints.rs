@@ -110,7 +110,7 @@ fn split(content: &str) -> (Vec<Part<'_>>, Vec<Part<'_>>) {
 /// `{ name = "rmse", max = 5, skip = 10 }`, with the options of an objective.
 fn table(node: &Node<'_>, data: &DataSpec, states: &[String]) -> Result<Vec<Constraint>, Fault> {
     let fields = node.table(EXPECTED, &[&["name", "max", "min"], &objectives::OPTIONS[..]].concat())?;
-    let named = fields.need("name", "the name of an objective, `nis_mean` or `nees_mean`")?;
+    let named = fields.need("name", "the name of an objective, `nis_mean`, `nees_mean` or `rejected`")?;
     let kind = objectives::kind(named, named.string()?, "the measure", &kinds()).map_err(|cause| named.fault(cause))?;
     let measure = objectives::with_options(&fields, kind, data, states)?;
     let measure = objectives::with_truth(node, measure, data, (states, WHAT))?;

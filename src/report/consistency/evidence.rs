@@ -5,7 +5,8 @@ use super::rows::{RowNis, SETTLING, Sum, number};
 use super::sensors::Sensors;
 use super::whiteness::{Whiteness, normalised};
 use super::{
-    Consistency, Nees, NisDistribution, NisOverTime, Uncertainty, Verdict, dominating, findings, mean, over_time,
+    Consistency, Nees, NisDistribution, NisOverTime, Rejected, Uncertainty, Verdict, dominating, findings, mean,
+    over_time,
 };
 use crate::data::Log;
 use crate::model::Problem;
@@ -21,6 +22,8 @@ pub struct Evidence<'a> {
     rows: Vec<RowNis>,
     nees: Sum,
     sensors: Sensors,
+    /// What robust updates left out; `None` where they are plain.
+    rejected: Option<Rejected>,
     /// Measured rows of each trajectory.
     measured: Vec<usize>,
     /// Normalised innovations by measurement and trajectory.
@@ -40,6 +43,7 @@ impl<'a> Evidence<'a> {
             rows: Vec::new(),
             nees: Sum::default(),
             sensors: Sensors::of(&problem.data),
+            rejected: problem.robust.as_ref().map(|_| Rejected::default()),
             measured: vec![0; trajectories],
             series: vec![vec![Vec::new(); trajectories]; measurements],
             unsettled: vec![vec![0; trajectories]; measurements],
@@ -58,6 +62,9 @@ impl<'a> Evidence<'a> {
         self.sensors.add(update);
         self.measured[trajectory] += 1;
         let number = self.measured[trajectory];
+        if self.rejected.as_mut().is_some_and(|rejected| rejected.add(update.rejected)) {
+            return;
+        }
         let components = u32::try_from(update.present.len()).unwrap_or(u32::MAX);
         self.rows.push(RowNis { trajectory, row: step.row, nis: update.nis, components, number });
         for (&i, value) in update.present.iter().zip(normalised(update)) {
@@ -124,6 +131,7 @@ impl<'a> Evidence<'a> {
             dominating_rows,
             whiteness,
             nees: self.nees(),
+            rejected: self.rejected,
             uncertainty: Uncertainty::default(),
         };
         consistency.findings = findings::of(&consistency, &self.log.source, &problem.parameters, candidate);

@@ -186,7 +186,8 @@ impl Matrices {
         let offset = |name: &str| name == "f0" || name == "h0";
         let varies = self.all().any(|(name, matrix)| !offset(name) && matrix.varies());
         let affine = self.f.is_none() && self.h.is_none();
-        if varies || !affine || problem.filter.facts().adapts != Adapts::Nothing {
+        let stays = problem.robust.is_none() && problem.filter.facts().adapts == Adapts::Nothing;
+        if varies || !affine || !stays {
             return;
         }
         // Without an interval nothing depends on it, or an entry would vary.

@@ -181,6 +181,7 @@ fn identity_is_what_the_bits_of_a_search_depend_on() {
         ("max = 1 }", "max = 2 }"),
         ("\"q\"", "\"2*q\""),
         ("P0 = [3]", "P0 = [4]"),
+        ("[simulate]", "[filter]\nrobust = \"gate\"\n[simulate]"),
     ] {
         let error = check(&TEXT.replace(old, new)).expect_err(new);
         assert!(error.starts_with("it is of another problem than this ("), "{new}: {error}");

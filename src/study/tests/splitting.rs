@@ -173,3 +173,16 @@ fn rows_that_score_are_counted_as_the_filter_does() {
     from_measurement.model.x0 = crate::model::Start::Measurement;
     assert_eq!(scoring_rows(&from_measurement, &log, &[0], nll), 2, "the first only starts the filter");
 }
+
+/// What outliers are taken for must not change with the rows that are scored.
+#[test]
+fn held_out_rows_are_judged_by_the_ranges_of_training() {
+    let text = csv(&[10, 3]);
+    for validate in ["{ share = 0.5, by = \"time\" }", "{ share = 0.5, by = \"trajectory\" }"] {
+        let parted = split(&format!("validate = {validate}"), &text).unwrap_or_else(|e| panic!("{e}"));
+        let held_out = parted.held_out.expect("something is held out");
+        let own = Log { ranges: None, ..held_out.log.clone() }.ranges();
+        assert_eq!(held_out.log.ranges(), parted.train.ranges(), "{validate}");
+        assert_ne!(held_out.log.ranges(), own, "{validate}");
+    }
+}

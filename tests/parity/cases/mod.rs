@@ -10,6 +10,7 @@ mod gaps;
 mod large;
 mod nonlinear;
 mod objectives;
+pub(crate) mod robust;
 
 use crate::case::Case;
 use kfgpu::data::Log;
@@ -38,6 +39,7 @@ pub(crate) fn all() -> Vec<Case> {
     cases.extend(formulas::cases());
     cases.extend(correlated::cases());
     cases.extend(failing::cases());
+    cases.extend(robust::cases());
     cases.extend(large::cases());
     cases.extend(diffuse::cases());
     cases.extend(gaps::cases());

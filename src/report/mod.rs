@@ -25,7 +25,7 @@ pub use bound::Bound;
 pub use compare::{CompareError, Comparison, Run, RunBaseline, RunConsistency, RunError, RunHeldOut, RunValidation};
 pub use consistency::{
     Consistency, DominatingRow, Evidence, Finding, FlatDirection, JOINT_LEVEL, Nees, NisDistribution, NisOverTime,
-    NisSpan, Place, SensorNis, Test, TestKind, Uncertainty, Verdict, Whiteness,
+    NisSpan, Place, Rejected, SensorNis, Test, TestKind, Uncertainty, Verdict, Whiteness,
 };
 pub use constraint::{ConstraintCheck, constraint_checks, unmet};
 pub use difference::{Difference, HeldOutDifference, Standing, StartOf};

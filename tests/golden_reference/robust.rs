@@ -97,7 +97,7 @@ fn the_volume_is_of_the_components_that_are_there() {
     for (ranges, expected) in [(None, [1e3, 5e3]), (Some(vec![7.0, 3.0]), [7.0, 3.0])] {
         log.ranges = ranges;
         let found = nlls(&log);
-        let wanted = [expected[0], expected[1], expected[0] * expected[1]].map(|v| (2.0 * v).ln());
+        let wanted = [expected[0], expected[1], expected[0] * expected[1]].map(|v: f64| (2.0 * v).ln());
         found.iter().zip(wanted).for_each(|(found, wanted)| close(*found, wanted, 1e-12));
     }
 }

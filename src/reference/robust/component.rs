@@ -4,7 +4,6 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::density::huber_weight;
 use crate::reference::Cause;
-use crate::reference::angle::wrapped;
 use crate::reference::estimate::{Estimate, symmetrise};
 use crate::reference::matrices::{Affine, Formulas};
 
@@ -124,7 +123,7 @@ pub(super) fn linearised(
     formulas.measurement_at(at, inputs, &mut whole);
     let difference = |i: &usize| {
         let difference = z[*i] - whole.offset[*i];
-        if formulas.angles.measurement(*i) { wrapped(difference) } else { difference }
+        formulas.angles.between_measurements(*i, difference)
     };
     let h = whole.matrix.select_rows(present);
     let nu = DVector::from_iterator(present.len(), present.iter().map(difference)) - &h * (x - at);

@@ -196,4 +196,12 @@ fn nonlinear_filters_take_sensors_as_well() {
     let long = lanes(&problem, &log, &candidates(&problem, 9), Precision::F64);
     let error = worst(&long, &costs[0]);
     assert!(error < 0.1, "h is linearised once more where rows have one time, and little else differs: {error:.1e}");
+    for kind in ["extended", "iterated", "unscented", "cubature"] {
+        let (problem, log) = open(&bend(train()).replace("extended", kind), &readings());
+        let population = candidates(&problem, 9);
+        let expected: Vec<Vec<f64>> =
+            population.rows().map(|candidate| reference::costs(&problem, &log, candidate).unwrap()).collect();
+        let error = worst(&lanes(&problem, &log, &population, Precision::F64), &expected);
+        assert!(error < 1e-8, "{kind}: off by {error:.1e}");
+    }
 }

@@ -14,7 +14,7 @@ impl Problem {
             return Ok(());
         }
         let parameters = self.parameters.resolve(&self.parameters.baseline());
-        let dt = first.dt(0).unwrap_or(1.0);
+        let dt = (0..first.len()).filter_map(|k| first.dt(k)).find(|dt| *dt > 0.0).unwrap_or(1.0);
         let at = |states: &[f64], symbol| match symbol {
             Symbol::State(i) => states[i],
             Symbol::Parameter(i) => parameters[i],
@@ -33,12 +33,24 @@ impl Problem {
                 } else {
                     continue;
                 };
-                let (key, at) = (format!("model.{key}[{}]", i + 1), self.described(formula, &x));
+                let of_sensor = (key == "h").then(|| self.sensor_of(i)).flatten();
+                let key = of_sensor.map_or_else(
+                    || format!("model.{key}[{}]", i + 1),
+                    |(sensor, own)| format!("sensor[{}].h[{}]", sensor + 1, own + 1),
+                );
+                let at = self.described(formula, &x);
                 let cause = Cause::NotSmooth { key, what, at };
                 return Err(Fault::new(formula.span, cause).locate(&self.source, &self.text));
             }
         }
         Ok(())
+    }
+
+    /// The sensor that has measurement `i`, and the number of it among its own; none where one row measures all.
+    fn sensor_of(&self, i: usize) -> Option<(usize, usize)> {
+        let ranges = self.data.sensor_ranges();
+        let number = ranges.iter().position(|range| range.contains(&i))?;
+        Some((number, i - ranges[number].start))
     }
 
     /// "x = 0, y = 0": the states of a formula.
@@ -65,12 +77,20 @@ impl Problem {
             let jump = log.trajectories.iter().find_map(|t| jump(t, i).map(|(k, by)| (t, k, by)));
             let Some((trajectory, k, by)) = jump.filter(|_| is_angle(h)) else { continue };
             let line = trajectory.line.get(k).copied().unwrap_or(0);
+            let (column, table, path) = match self.sensor_of(i) {
+                None => (name, "[model]".to_owned(), ["model", "h", ""].map(str::to_owned)),
+                Some((number, own)) => {
+                    let sensor = &self.data.sensors[number];
+                    let path = ["sensor".to_owned(), number.to_string(), "h".to_owned()];
+                    (&sensor.columns[own], format!("the [[sensor]] `{}`", sensor.name), path)
+                }
+            };
             let problem = format!(
                 "`{name}` jumps by {by} at {}:{line}, more than half a turn, and its formula is an angle: add angle = \
-                 [\"{name}\"] to [model], so that innovations are wrapped to [-pi, pi)",
+                 [\"{column}\"] to {table}, so that innovations are wrapped to [-pi, pi)",
                 log.source
             );
-            return Err(self.fault(&["model", "h"], Cause::Log { problem }));
+            return Err(self.fault(&path.each_ref().map(String::as_str), Cause::Log { problem }));
         }
         Ok(())
     }

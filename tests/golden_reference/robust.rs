@@ -5,6 +5,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use kfgpu::data::Log;
 use kfgpu::evaluate::{CpuEvaluator, CpuOptions, Evaluator, Population};
 use kfgpu::model::family::{Outliers, Robust};
 use kfgpu::model::{Expr, Parameter, Scale, Search, Value};
@@ -90,7 +91,7 @@ fn the_volume_is_of_the_components_that_are_there() {
     // So far off that only the outliers count: nll = ln (V / eps).
     let rows: [(f64, &[f64]); 3] = [(0.0, &[1e3, NAN]), (1.0, &[NAN, -1e3]), (2.0, &[2e3, 4e3])];
     let mut log = log(vec![trajectory(&rows)]);
-    let nlls = |log| {
+    let nlls = |log: &Log| {
         let steps = run(&problem, log, &[]).expect("runs").trajectories.remove(0);
         steps.iter().map(|step| step.update.as_ref().expect("measured").nll).collect::<Vec<_>>()
     };

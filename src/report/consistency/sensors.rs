@@ -92,6 +92,7 @@ mod tests {
             k: DMatrix::zeros(1, nu.len()),
             nis: f64::NAN,
             nll: f64::NAN,
+            rejected: 0.0,
         };
         sensors.add(&update(&[1, 2], &[2.0, 3.0], &[4.0, 1.0, 1.0, 9.0]));
         sensors.add(&update(&[0, 1], &[1.0, 1.0], &[2.0, 1.0, 1.0, 2.0]));

@@ -1,6 +1,6 @@
 //! Filters of any f and h, over logs of several kinds and real ones.
 
-use crate::case::Case;
+use crate::case::{Case, Single};
 use kfgpu::data::{Log, Table};
 use kfgpu::model::Problem;
 use std::path::Path;
@@ -41,7 +41,9 @@ fn case(name: &str, (title, filter): (&str, &str), gaps: bool) -> Case {
         remove(&mut log);
     }
     let candidates = if log.rows() > 400 { 9 } else { 65 };
-    Case::of(format!("{name}, {title}{}", if gaps { ", with gaps" } else { "" }), problem, log, candidates)
+    let case = Case::of(format!("{name}, {title}{}", if gaps { ", with gaps" } else { "" }), problem, log, candidates);
+    // At a range variance 400 times too large one of 65 candidates has 1.3e-5 of its mean squared innovation.
+    if (name, title) == ("radar", "unscented") { case.single(Single::Measured) } else { case }
 }
 
 /// Every seventh first measurement, every fifth second one, and all of rows 10 to 12.

@@ -181,3 +181,24 @@ fn the_summary_compares_filter_and_smoother_with_truth() {
     let json = folder.run(&["filter", "sim.toml", "--json"]).expect(0).json();
     assert!(json["rmse"]["filter"]["x"].is_f64() && json["rmse"]["smoother"].is_null(), "{json}");
 }
+
+/// The 17th row is an outlier: the table says what is left out of it, the summary how many such rows there are.
+#[test]
+fn a_robust_filter_says_what_it_rejects() {
+    let folder = Folder::with_level();
+    let mut log = "t,z\n".to_owned();
+    (0..60).for_each(|k| log += &format!("{k},{}\n", if k == 16 { 900.0 } else { f64::from(k % 5) }));
+    folder.write("log.csv", &log);
+    let text = folder.read("problem.toml");
+    folder.write("problem.toml", &format!("{text}\n[filter]\nrobust = \"gate\"\n"));
+    let finished = folder.run(&["filter", "problem.toml", "--smooth"]).expect(0);
+    let table = finished.table();
+    assert_eq!(table[0], ["t", "x", "P_x_x", "nu_z", "S_z", "nis", "rejected", "x_smoothed", "P_x_x_smoothed"]);
+    assert_eq!((table[16][6].as_str(), table[17][6].as_str()), ("0", "1"));
+    assert_eq!(table[17][1], table[16][1], "the estimate stays where it is");
+    let said = "rejected 1.67 % of the measured rows; 1 of 60 counted less than half, and are not in these tests";
+    let words = finished.stderr.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(words.contains(said), "{}", finished.stderr);
+    let json = folder.run(&["filter", "problem.toml", "--json", "--quiet"]).expect(0).json();
+    assert_eq!(json["consistency"]["rejected"]["rows"], 1, "{json}");
+}

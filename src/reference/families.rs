@@ -18,7 +18,14 @@ pub(super) fn of(problem: &Problem, log: &Log, parameters: Vec<f64>) -> Result<B
     let inner = plain(problem, parameters.clone())?;
     let Some(robust) = &problem.robust else { return Ok(inner) };
     let values = settings(&robust.settings(), &parameters)?;
-    Ok(Box::new(Withstanding::new(inner, robust, &values, (problem, parameters), &log.ranges())))
+    let linearisations = match &problem.filter {
+        FilterKind::Extended(_) => 1,
+        FilterKind::Iterated(iterated) => iterated.iterations,
+        _ => 0,
+    };
+    let (formulas, ranges) = (Formulas::new(&problem.model, parameters), log.ranges());
+    let known = (&problem.model.angles, ranges.as_slice());
+    Ok(Box::new(Withstanding::new(inner, robust, &values, formulas, known, linearisations)))
 }
 
 /// The same with updates that count in full.

@@ -11,7 +11,7 @@ use std::path::Path;
 const KINDS: [(&str, &str); 5] = [
     ("mixture", "eps = \"eps\""),
     ("student-t", "dof = \"dof\""),
-    ("huber", "k = \"k\""),
+    ("huber", ""),
     ("correntropy", "k = \"3*k\""),
     ("gate", "gate = \"gate\""),
 ];

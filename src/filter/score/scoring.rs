@@ -294,7 +294,8 @@ impl<'a, 'b> Scoring<'a, 'b> {
             return Sum { factor: power, offset: power * sum.offset, ..sum };
         }
         let slot = self.slot(Role::Sum, power);
-        let rows = super::innovation::count(self.t.rows.len());
+        #[expect(clippy::cast_precision_loss, reason = "counts of rows stay far below 2^53")]
+        let rows = self.t.rows.len() as f64;
         Sum { power: Some(Mean { slot, rows }), ..sum }
     }
 

@@ -11,7 +11,7 @@ use super::estimate::{Estimate, Update, count};
 use super::filter::{Filter, Reweighed, State};
 use super::matrices::{Affine, Formulas};
 use super::square_root::{root, triangularise};
-use crate::model::{FilterKind, Problem, Robust};
+use crate::model::{Angles, Robust};
 use component::{Linear, Row};
 use density::Density;
 
@@ -44,24 +44,20 @@ struct Outcome {
 }
 
 impl Withstanding {
-    /// Around `inner`, with the values of the kind's settings and the ranges of the training log.
+    /// Around `inner`, with the values of the kind's settings and the ranges of the training log; `linearisations` of h there
+    /// are in a row, none where it is affine or taken at points.
     pub(super) fn new(
         inner: Box<dyn Filter>,
         robust: &Robust,
         values: &[f64],
-        (problem, parameters): (&Problem, Vec<f64>),
-        ranges: &[f64],
+        formulas: Formulas,
+        (angles, ranges): (&Angles, &[f64]),
+        linearisations: usize,
     ) -> Self {
-        let formulas = Formulas::new(&problem.model, parameters);
         let limit =
             if let Robust::Gate { limit, .. } = robust { Some(*limit).filter(|limit| *limit > 0) } else { None };
-        let linearisations = match &problem.filter {
-            FilterKind::Extended(_) => 1,
-            FilterKind::Iterated(iterated) => iterated.iterations,
-            _ => 0,
-        };
         let n = formulas.n;
-        let density = Density::new(robust, values, &problem.model.angles, ranges);
+        let density = Density::new(robust, values, angles, ranges);
         Self {
             inner,
             density,

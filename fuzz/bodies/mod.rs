@@ -6,7 +6,7 @@ mod checkpoint;
 
 pub(crate) use checkpoint::{bodies as checkpoint_bodies, checkpoint};
 
-use kfgpu::data::{DataSpec, Format, Log, Oddity, Summary, Table, TimeUnit, Trajectory};
+use kfgpu::data::{DataSpec, Format, Log, Oddity, SensorSpec, Summary, Table, TimeUnit, Trajectory};
 use kfgpu::filter;
 use kfgpu::model::{self, Problem};
 use kfgpu::reference;
@@ -34,13 +34,23 @@ pub(crate) fn csv(bytes: &[u8]) {
 }
 
 /// The same columns in files of other habits.
-fn foreign() -> [DataSpec; 2] {
+fn foreign() -> [DataSpec; 3] {
     let [one, all] = specs();
+    let sensor =
+        |name: &str| SensorSpec { name: name.to_owned(), columns: vec!["z".to_owned()], when: Some(name.to_owned()) };
+    let sensors = DataSpec {
+        measurements: vec!["a_z".to_owned(), "b_z".to_owned()],
+        sensors: vec![sensor("a"), sensor("b")],
+        sensor: Some("id".to_owned()),
+        trajectory: None,
+        ..all.clone()
+    };
     let commas = Format { decimal_comma: true, thousands: Some('.'), skip_lines: vec![3], ..Format::default() };
     let blanks = Format { separator: Some(' '), header_line: Some(1), ..Format::default() };
     [
         DataSpec { format: commas, time_unit: Some(TimeUnit::Microsecond), ..all },
         DataSpec { format: blanks, time: Some("t".to_owned()), time_unit: Some(TimeUnit::Month), ..one },
+        sensors,
     ]
 }
 

@@ -75,7 +75,8 @@ pub(super) fn check(problem: &Problem) -> Result<(), (Vec<String>, Box<Cause>)> 
     let values = problem.parameters.resolve(&problem.parameters.baseline());
     let path = |key: &str| vec!["model".to_owned(), key.to_owned()];
     let judge = |matrix: &[Expr], labels: &[String], (path, key): (Vec<String>, String)| {
-        let semi = is_product(matrix);
+        // M M' of a sensor has to be definite beside others: R as a whole is no product.
+        let semi = is_product(matrix) && (key == "model.P0" || problem.data.sensors.len() < 2);
         let matrix = evaluate(matrix, labels.len(), &values, f64::NAN);
         match defect(&matrix, labels, semi) {
             None => Ok(()),

@@ -1,5 +1,7 @@
 //! Logs of several sensors: rows told apart by a label, or by what is filled.
 
+use proptest::prelude::*;
+
 use super::*;
 use crate::data::{SensorSpec, Summary};
 
@@ -142,4 +144,18 @@ fn a_drawn_log_is_written_as_it_is_read() {
     let mut written = Vec::new();
     rows.unwrap().write_csv(&long(), &mut written).unwrap();
     assert_eq!(String::from_utf8(written).unwrap(), "t,who,range,bearing\n0,gps,5,\n0,radar 2,6,7\n");
+}
+
+proptest! {
+    #[test]
+    fn arbitrary_rows_never_panic_and_what_is_read_is_in_order(
+        rows in "((0|1|1.5|2|x),(gps|radar 2||sonar),[0-9.]{0,3},[0-9.]{0,3}\n){0,8}"
+    ) {
+        for (spec, header) in [(long(), "t,who,range,bearing"), (wide(), "t,g,r,b")] {
+            match read(&spec, format!("{header}\n{rows}")) {
+                Ok(log) => prop_assert!(log.trajectories[0].time.is_sorted()),
+                Err(error) => prop_assert!(error.to_string().starts_with("log.csv"), "{}", error),
+            }
+        }
+    }
 }

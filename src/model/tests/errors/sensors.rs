@@ -70,75 +70,77 @@ fn built_in_motion_and_factors_go_with_sensors() {
     assert!(sentence.contains("[model] lacks `axes`: give the names of its axes"), "{sentence}");
 }
 
+/// What is replaced, by what, and how the sentence begins.
+const CASES: [(&str, &str, &str); 20] = [
+    ("name = \"gps\"\n", "", "7:1: [[sensor]] number 1 lacks `name`: give a name for messages and reports"),
+    ("R = [\"r\"]\n", "", "7:1: [[sensor]] number 1 lacks `R`: give the covariance of its noise"),
+    (
+        "when = \"GPS\"",
+        "wen = \"GPS\"",
+        "9:1: unknown key `wen` in [sensor[1]]: did you mean `when`? (known: `name`, `measurements`, `h`, `R`, `angle`, `when`)",
+    ),
+    ("name = \"radar\"", "name = \"gps\"", "15:8: the name `gps` is already a sensor: choose another"),
+    ("when = \"R2\"", "when = \"GPS\"", "16:8: `sensor[2].when`: sensor `gps` has the same label: give another"),
+    (
+        "when = \"R2\"\n",
+        "",
+        "16:17: `sensor[2].measurements[1]`: sensor `gps` measures this column too, so both need `when`, the label of their rows in the column that [data] names as `sensor`",
+    ),
+    (
+        "sensor = \"who\"\n",
+        "",
+        "8:8: `sensor[1].when`: a label needs the column that it stands in: give `sensor = \"COLUMN\"` in [data]",
+    ),
+    ("\"b\"]", "\"gps_z\"]", "15:8: the name `gps_z` is already a measurement: choose another"),
+    ("h = [\"p\"]", "h = [\"p\", \"v\"]", "11:5: `sensor[1].h` has 2 entries: expected 1, one per measurement (z)"),
+    ("p - own", "p - w", "18:11: unknown name `w` (known: `p`, `v`, `q`, `r`, `own`, `pi`)"),
+    (
+        "p - own",
+        "p*v - own",
+        "18:7: `p*v` is not linear in the states, and the kalman filter needs sensor[2].h[1] to be linear (sums of states times parameters, inputs and dt): set `kind` in [filter] to one of",
+    ),
+    (
+        "[[4, 1], [1, \"r\"]]",
+        "[[4, 5], [5, \"r\"]]",
+        "19:5: `sensor[2].R` is not positive definite at the start values: its smallest eigenvalue",
+    ),
+    (
+        "[[4, 1], [1, \"r\"]]",
+        "{ z = 1, c = 2 }",
+        "19:14: `sensor[2].R` names measurement `c`, which does not exist (known: `z`, `b`)",
+    ),
+    (
+        "[\"r\"]",
+        "[\"r\"]\nangle = [\"b\"]",
+        "13:10: `sensor[1].angle[1]` is \"b\": expected a measurement of the sensor (z)",
+    ),
+    (
+        "Q = {",
+        "angle = [\"b\"]\nQ = {",
+        "24:10: `model.angle[1]`: `b` is measured by a sensor: give it under `angle` of its [[sensor]]",
+    ),
+    ("Q = {", "h = [\"p\"]\nQ = {", "24:5: `model.h`: every [[sensor]] has its own: move it there"),
+    (
+        "inputs",
+        "measurements = [\"z\", \"b\"]\ninputs",
+        "5:16: `data.measurements`: with [[sensor]] tables it must be [\"gps_z\", \"radar_z\", \"b\"] in this order, or be left out",
+    ),
+    (
+        "inputs",
+        "ignore_sensors = [\"GPS\"]\ninputs",
+        "5:19: `data.ignore_sensors[1]`: `GPS` is `when` of a [[sensor]]: take it off one of them",
+    ),
+    ("when = \"GPS\"", "when = 1", "9:8: `sensor[1].when`: expected a string, found the number 1"),
+    (
+        "[[sensor]]\nname = \"gps\"",
+        "[[sensors]]\nname = \"gps\"",
+        "7:3: unknown key `sensors` in the problem file: did you mean `sensor`?",
+    ),
+];
+
 #[test]
 fn every_mistake_is_said_where_it_is() {
-    let cases: [(&str, &str, &str); 20] = [
-        ("name = \"gps\"\n", "", "7:1: [[sensor]] number 1 lacks `name`: give a name for messages and reports"),
-        ("R = [\"r\"]\n", "", "7:1: [[sensor]] number 1 lacks `R`: give the covariance of its noise"),
-        (
-            "when = \"GPS\"",
-            "wen = \"GPS\"",
-            "9:1: unknown key `wen` in [sensor[1]]: did you mean `when`? (known: `name`, `measurements`, `h`, `R`, `angle`, `when`)",
-        ),
-        ("name = \"radar\"", "name = \"gps\"", "15:8: the name `gps` is already a sensor: choose another"),
-        ("when = \"R2\"", "when = \"GPS\"", "16:8: `sensor[2].when`: sensor `gps` has the same label: give another"),
-        (
-            "when = \"R2\"\n",
-            "",
-            "16:17: `sensor[2].measurements[1]`: sensor `gps` measures this column too, so both need `when`, the label of their rows in the column that [data] names as `sensor`",
-        ),
-        (
-            "sensor = \"who\"\n",
-            "",
-            "8:8: `sensor[1].when`: a label needs the column that it stands in: give `sensor = \"COLUMN\"` in [data]",
-        ),
-        ("\"b\"]", "\"gps_z\"]", "15:8: the name `gps_z` is already a measurement: choose another"),
-        ("h = [\"p\"]", "h = [\"p\", \"v\"]", "11:5: `sensor[1].h` has 2 entries: expected 1, one per measurement (z)"),
-        ("p - own", "p - w", "18:11: unknown name `w` (known: `p`, `v`, `q`, `r`, `own`, `pi`)"),
-        (
-            "p - own",
-            "p*v - own",
-            "18:7: `p*v` is not linear in the states, and the kalman filter needs sensor[2].h[1] to be linear (sums of states times parameters, inputs and dt): set `kind` in [filter] to one of",
-        ),
-        (
-            "[[4, 1], [1, \"r\"]]",
-            "[[4, 5], [5, \"r\"]]",
-            "19:5: `sensor[2].R` is not positive definite at the start values: its smallest eigenvalue",
-        ),
-        (
-            "[[4, 1], [1, \"r\"]]",
-            "{ z = 1, c = 2 }",
-            "19:14: `sensor[2].R` names measurement `c`, which does not exist (known: `z`, `b`)",
-        ),
-        (
-            "[\"r\"]",
-            "[\"r\"]\nangle = [\"b\"]",
-            "13:10: `sensor[1].angle[1]` is \"b\": expected a measurement of the sensor (z)",
-        ),
-        (
-            "Q = {",
-            "angle = [\"b\"]\nQ = {",
-            "24:10: `model.angle[1]`: `b` is measured by a sensor: give it under `angle` of its [[sensor]]",
-        ),
-        ("Q = {", "h = [\"p\"]\nQ = {", "24:5: `model.h`: every [[sensor]] has its own: move it there"),
-        (
-            "inputs",
-            "measurements = [\"z\", \"b\"]\ninputs",
-            "5:16: `data.measurements`: with [[sensor]] tables it must be [\"gps_z\", \"radar_z\", \"b\"] in this order, or be left out",
-        ),
-        (
-            "inputs",
-            "ignore_sensors = [\"GPS\"]\ninputs",
-            "5:19: `data.ignore_sensors[1]`: `GPS` is `when` of a [[sensor]]: take it off one of them",
-        ),
-        ("when = \"GPS\"", "when = 1", "9:8: `sensor[1].when`: expected a string, found the number 1"),
-        (
-            "[[sensor]]\nname = \"gps\"",
-            "[[sensors]]\nname = \"gps\"",
-            "7:3: unknown key `sensors` in the problem file: did you mean `sensor`?",
-        ),
-    ];
-    let wrong = cases.iter().filter_map(|(old, new, sentence)| {
+    let wrong = CASES.iter().filter_map(|(old, new, sentence)| {
         assert!(SOUND.contains(old), "{old}");
         let said = error(&SOUND.replacen(old, new, 1)).to_string();
         (!said.starts_with(&format!("p.toml:{sentence}"))).then(|| format!("{new}\n  {said}\n  {sentence}"))

@@ -24,7 +24,7 @@ fn tune(threads: Option<NonZero<usize>>) -> Outcome {
     let options = CpuOptions { precision: Precision::F64, threads };
     let mut evaluator = CpuEvaluator::new(&problem, &log, options).expect("the example traces");
     let oracle = |candidate: &[f64]| reference::costs(&problem, &log, candidate).ok();
-    let judge = Judge { oracle: &oracle, polisher: None };
+    let judge = Judge { oracle: &oracle, amplification: None, polisher: None };
     study::run(&Study::of(&problem), &mut evaluator, judge, &mut [], &AtomicBool::new(false)).expect("the study runs")
 }
 

@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // The search runs on the tape; the independent f64 reference has the last word on what it found.
     let mut evaluator = CpuEvaluator::new(&problem, &log, CpuOptions::default())?;
     let oracle = |candidate: &[f64]| reference::costs(&problem, &log, candidate).ok();
-    let judge = Judge { oracle: &oracle, polisher: None };
+    let judge = Judge { oracle: &oracle, amplification: None, polisher: None };
     let never = AtomicBool::new(false);
     let outcome = study::run(&Study::of(&problem), &mut evaluator, judge, &mut [], &never)?;
     let winner = outcome.winner.ok_or("every candidate failed")?;

@@ -56,7 +56,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let log = simulate(&problem, Some(seed))?;
         let mut evaluator = CpuEvaluator::new(&problem, &log, CpuOptions::default())?;
         let oracle = |candidate: &[f64]| reference::costs(&problem, &log, candidate).ok();
-        let judge = Judge { oracle: &oracle, polisher: None };
+        let judge = Judge { oracle: &oracle, amplification: None, polisher: None };
         let outcome = study::run(&Study::of(&problem), &mut evaluator, judge, &mut [], &AtomicBool::new(false))?;
         tuned.push(outcome.winner.ok_or("every candidate failed")?.candidate);
     }

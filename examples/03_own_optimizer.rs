@@ -86,7 +86,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 }
                 name => optimize::build(name, &space, &settings)?,
             };
-            let judge = Judge { oracle: &oracle, polisher: None };
+            let judge = Judge { oracle: &oracle, amplification: None, polisher: None };
             let outcome =
                 study::run_with(&study, optimizer.as_mut(), &mut evaluator, judge, &mut [], &AtomicBool::new(false))?;
             excess.push(outcome.winner.ok_or("every candidate failed")?.objectives[0] - 641.585_578_346_1);

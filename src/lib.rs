@@ -49,7 +49,7 @@
 //! // The search runs on the tape, the independent reference decides.
 //! let mut evaluator = CpuEvaluator::new(&problem, &log, CpuOptions::default())?;
 //! let oracle = |candidate: &[f64]| reference::costs(&problem, &log, candidate).ok();
-//! let judge = Judge { oracle: &oracle, polisher: None };
+//! let judge = Judge { oracle: &oracle, amplification: None, polisher: None };
 //! let outcome = study::run(&Study::of(&problem), &mut evaluator, judge, &mut [], &AtomicBool::new(false))?;
 //!
 //! let winner = outcome.winner.expect("some candidate is usable");

@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let log = Log::open(&problem.data, &folder)?;
     let mut evaluator = CpuEvaluator::new(&problem, &log, CpuOptions::default())?;
     let oracle = |candidate: &[f64]| reference::costs(&problem, &log, candidate).ok();
-    let judge = Judge { oracle: &oracle, polisher: None };
+    let judge = Judge { oracle: &oracle, amplification: None, polisher: None };
     let outcome = study::run(&Study::of(&problem), &mut evaluator, judge, &mut [], &AtomicBool::new(false))?;
     let winner = outcome.winner.as_ref().ok_or("every candidate failed")?;
     let run = reference::run(&problem, &log, &winner.candidate)?;

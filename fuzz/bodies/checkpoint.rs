@@ -72,7 +72,7 @@ fn search(problem: &Problem, objectives: usize, from: Option<&Snapshot>, observe
     let mut mock = if objectives == 1 { Mock::new(Landscape::Sphere) } else { Mock::new(MultiObjective::Zdt1) };
     let costs = vec![1.0; objectives];
     let oracle = |_: &[f64]| Some(costs.clone());
-    let judge = Judge { oracle: &oracle, polisher: None };
+    let judge = Judge { oracle: &oracle, amplification: None, polisher: None };
     let (study, go_on) = (Study::of(problem), AtomicBool::new(false));
     let _ = match from {
         Some(from) => study::resume(&study, from, &mut mock, judge, observers, &go_on),

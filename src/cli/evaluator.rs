@@ -5,11 +5,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 use anyhow::ensure;
 
 use super::console::Console;
-use super::options::{Compute, DeviceChoice};
+use super::options::{Compute, DeviceChoice, PrecisionChoice};
 use crate::data::Log;
 use crate::evaluate::{Backend, CpuEvaluator, CpuOptions, Device, Evaluation, Evaluator, Population, Precision};
 use crate::filter::{Program, trace};
 use crate::model::Problem;
+use crate::number::short;
+use crate::reference;
 
 #[cfg(feature = "gpu")]
 mod on_gpu;
@@ -77,6 +79,13 @@ impl Chosen {
             let evaluator = Box::new(CpuEvaluator::with_double(problem, log, &double, compute.cpu())?);
             return Ok(Self { evaluator, double, notices });
         }
+        if let Some(sentence) =
+            (!asked && compute.precision == PrecisionChoice::Auto).then(|| amplified(problem, log)).flatten()
+        {
+            notices.warn(&sentence);
+            let evaluator = Box::new(CpuEvaluator::with_double(problem, log, &double, compute.cpu())?);
+            return Ok(Self { evaluator, double, notices });
+        }
         #[cfg(feature = "gpu")]
         let found = on_gpu::build(problem, log, &double, compute, asked, &notices)?;
         #[cfg(not(feature = "gpu"))]
@@ -130,6 +139,22 @@ impl Evaluator for Chosen {
     fn rows(&self) -> usize {
         self.evaluator.rows()
     }
+}
+
+/// Why `auto` stays with the CPU in f64: the start's filter amplifies the last digits of the log, which single precision lacks.
+fn amplified(problem: &Problem, log: &Log) -> Option<String> {
+    if problem.filter.is_linear() {
+        return None;
+    }
+    let amplification = reference::amplification(problem, log, &problem.parameters.baseline()).ok()?;
+    (amplification >= 1.0).then(|| {
+        format!(
+            "the {} filter loses the track at the start values (amplification {}, where single precision needs one below 1): \
+             computing on the CPU in f64 (choose with --device and --precision)",
+            problem.filter.name(),
+            short(amplification, 2)
+        )
+    })
 }
 
 /// No adapter is here.

@@ -226,7 +226,13 @@ impl Tune {
         let wants_another = problem.tune.polish && !evaluator.can_polish();
         let mut polisher = wants_another.then(|| evaluator.in_f64(compute.cpu()));
         let oracle = |candidate: &[f64]| reference::scores(problem, log, candidate).ok();
-        let judge = Judge { oracle: &oracle, polisher: polisher.as_mut().map(|p| p as &mut dyn Evaluator) };
+        let amplification =
+            |candidate: &[f64]| reference::amplification(problem, log, candidate).unwrap_or(f64::INFINITY);
+        let judge = Judge {
+            oracle: &oracle,
+            amplification: (!problem.filter.is_linear()).then_some(&amplification),
+            polisher: polisher.as_mut().map(|p| p as &mut dyn Evaluator),
+        };
         let mut progress = Progress::new(console, &problem.tune)?;
         let mut keeper = output.begin(problem, console)?.map(|file| Keeper::new(file, evaluator.notices.clone()));
         let mut observers: Vec<&mut dyn Observer> = vec![&mut progress];

@@ -4,7 +4,7 @@ use super::family::Family;
 use super::form::Carrying;
 use super::gaussian::Gaussian;
 use super::gaussian::adapt::{Fuzzy, NoAdaptation, SageHusa, SageHusaR};
-use super::gaussian::moments::{Affine, Extended, Points, Sigma};
+use super::gaussian::moments::{Affine, Linearised, Points, Sigma};
 use crate::model::{FilterKind, Problem};
 
 /// The filter that a problem asks for.
@@ -15,16 +15,16 @@ pub(super) fn of(problem: &Problem, carrying: Carrying) -> Box<dyn Family> {
         FilterKind::SageHusa(_) => Box::new(Gaussian::new(carrying, Affine, SageHusa)),
         FilterKind::SageHusaR(_) => Box::new(Gaussian::new(carrying, Affine, SageHusaR)),
         FilterKind::Extended(_) => {
-            Box::new(Gaussian::new(carrying, Extended::new(carrying, 1), NoAdaptation).with(robust))
+            Box::new(Gaussian::new(carrying, Linearised::new(carrying, 1), NoAdaptation).with(robust))
         }
         FilterKind::Iterated(iterated) => {
-            Box::new(Gaussian::new(carrying, Extended::new(carrying, iterated.iterations), NoAdaptation).with(robust))
+            Box::new(Gaussian::new(carrying, Linearised::new(carrying, iterated.iterations), NoAdaptation).with(robust))
         }
         FilterKind::Unscented(_) => {
-            Box::new(Gaussian::new(carrying, Sigma::new(carrying, Points::Unscented), NoAdaptation).with(robust))
+            Box::new(Gaussian::new(carrying, Sigma::new(carrying, Points::Settings), NoAdaptation).with(robust))
         }
         FilterKind::Cubature(_) => {
-            Box::new(Gaussian::new(carrying, Sigma::new(carrying, Points::Cubature), NoAdaptation).with(robust))
+            Box::new(Gaussian::new(carrying, Sigma::new(carrying, Points::Equal), NoAdaptation).with(robust))
         }
         FilterKind::Fuzzy(fuzzy) => Box::new(Gaussian::new(carrying, Affine, Fuzzy { window: fuzzy.window })),
     }

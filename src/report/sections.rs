@@ -7,7 +7,7 @@ use std::fmt;
 
 use super::document::{Document, Part, Picture, Section};
 use super::validation::improvement_text;
-use super::{Effort, Gain, Named, Nothing, Tuning, Validation, constraint};
+use super::{Certificate, Effort, Gain, Named, Nothing, Tuning, Validation, constraint};
 use crate::evaluate::Device;
 use crate::number::{count, seconds, short, significant};
 use crate::study::StopReason;
@@ -225,10 +225,35 @@ fn certificate(tuning: &Tuning) -> Section {
     let section = Section::untitled("Certificate").with(format!(
         "Certificate: the f64 reference differs from the search by at most {gap} (relative), and {who} {kept} {what}.",
     ));
+    let section = match amplification(certificate) {
+        Some(sentence) => section.with(sentence),
+        None => section,
+    };
     match polish(tuning) {
         Some(polish) => section.with(polish),
         None => section,
     }
+}
+
+/// Whether rounding can decide the costs of a nonlinear filter.
+fn amplification(certificate: &Certificate) -> Option<String> {
+    let amplification = certificate.amplification?;
+    let found = format!("Amplification: {}", short(amplification, 2));
+    let others = match certificate.amplified {
+        0 => String::new(),
+        1 => " One of the candidates has 1 or more, and is left out above.".to_owned(),
+        more => format!(" {more} of the candidates have 1 or more, and are left out above."),
+    };
+    Some(if certificate.promise_holds {
+        format!(
+            "{found}, below 1: the filter takes small changes of the log in, and single precision keeps its promise.{others}"
+        )
+    } else {
+        format!(
+            "{found}, not below 1: the filter carries the last digits of the log into its likelihood (it loses the track \
+             somewhere), so single precision promises nothing here and f64 is needed.{others}"
+        )
+    })
 }
 
 fn polish(tuning: &Tuning) -> Option<String> {

@@ -81,6 +81,13 @@ pub struct Certificate {
     pub largest_gap: f64,
     /// Whether both rank the re-scored candidates alike.
     pub order_held: bool,
+    /// How far the winner's filter carries a small change of its log, before polish: |change of nll a row| over that of every z
+    /// in standard deviations. `None` for linear filters, which carry none.
+    pub amplification: Option<f64>,
+    /// Whether it is below 1, so that single precision keeps its promise.
+    pub promise_holds: bool,
+    /// How many of the re-scored candidates are left out of gaps and order because theirs is not.
+    pub amplified: usize,
     /// Number of candidates re-scored.
     pub candidates: usize,
     /// How many of them the reference could not run.

@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::constraint::misses;
 use super::matrices::differ_in_unit;
-use super::{StartOf, Tuning, Validation, count, significant};
+use super::{StartOf, Tuning, Validation, count, short, significant};
 use crate::evaluate::Precision;
 use crate::model::Problem;
 use crate::objective::{Kind, Objective};
@@ -61,6 +61,11 @@ pub enum Warning {
         /// Of the search.
         precision: Precision,
     },
+    /// A search in single precision of a filter that loses the track.
+    Amplified {
+        /// Of the winner.
+        amplification: f64,
+    },
     /// Reference and search differ by more than single precision should cost.
     LargeGap {
         /// Relative difference.
@@ -87,6 +92,7 @@ impl Warning {
             (failed > 0).then_some(Self::Failures { failed, evaluations }),
             not_converged(tuning),
             (!certificate.order_held).then_some(Self::OrderChanged { precision }),
+            amplified(tuning),
             (certificate.largest_gap > LARGE_GAP).then_some(Self::LargeGap { gap, precision }),
         ]
         .into_iter()
@@ -101,6 +107,12 @@ pub(super) fn mixed_units(problem: &Problem) -> Vec<Warning> {
     let names = |o: &Objective| o.states.iter().map(|i| problem.model.states[*i].clone()).collect();
     let mixed = problem.tune.objectives.iter().filter(adds);
     mixed.map(|o| Warning::MixedUnits { objective: o.name(), states: names(o) }).collect()
+}
+
+fn amplified(tuning: &Tuning) -> Option<Warning> {
+    let single = tuning.effort.device.precision == Precision::F32;
+    let amplification = tuning.certificate.amplification.filter(|_| single && !tuning.certificate.promise_holds)?;
+    Some(Warning::Amplified { amplification })
 }
 
 fn not_converged(tuning: &Tuning) -> Option<Warning> {
@@ -190,6 +202,12 @@ impl fmt::Display for Warning {
                 f,
                 "the f64 reference ranks the best candidates differently from the {precision} search ({})",
                 remedy(precision)
+            ),
+            Self::Amplified { amplification } => write!(
+                f,
+                "the filter of the winner loses the track somewhere: its amplification is {}, where single precision needs one \
+                 below 1 (use --precision f64)",
+                short(*amplification, 2)
             ),
             Self::LargeGap { gap, precision } => write!(
                 f,

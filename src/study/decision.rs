@@ -44,7 +44,7 @@ pub(super) fn decide(
         found
     };
     let bounds = Bounds::of(tune, evaluator);
-    let Judge { oracle, polisher } = judge;
+    let Judge { oracle, amplification, polisher } = judge;
     let local: &mut dyn Evaluator = match polisher {
         Some(polisher) => polisher,
         None => evaluator,
@@ -54,12 +54,15 @@ pub(super) fn decide(
     if let Some(front) = &record.front {
         let mut front = front.clone();
         let polish = if polishes { polish::polish_front(&mut front, &mut place)? } else { None };
-        if let Some(certified) = front::certify(&with_start(front.members()), oracle, bounds, &tune.pick) {
+        if let Some(certified) =
+            front::certify(&with_start(front.members()), (oracle, amplification), bounds, &tune.pick)
+        {
             return Ok(Decision::of(certified, polish));
         }
     }
     let finalists = with_start(record.archive.members().to_vec());
-    let Some((mut candidate, mut verdict, certificate)) = finish::certify(&finalists, oracle, bounds) else {
+    let Some((mut candidate, mut verdict, certificate)) = finish::certify(&finalists, (oracle, amplification), bounds)
+    else {
         return Ok(Decision { winner: None, front: Vec::new(), landmarks: None });
     };
     let polish = if polishes && bounds.objectives == 1 {

@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::Oracle;
 use super::archive::Scored;
+use super::{Amplification, Oracle};
 use crate::evaluate::{Evaluator, Precision};
 use crate::model::TuneSpec;
 use crate::objective::{Constraint, Kind, Objective};
@@ -22,6 +22,11 @@ pub struct Certificate {
     /// Whether no two finalists change order between search and oracle. Costs that the oracle sets less apart than single
     /// precision resolves, [`Kind::resolution`], count as equal.
     pub order_held: bool,
+    /// How far the winner's filter carries a small change of its log, before polish; `None` where that was not asked for. From
+    /// 1 on its costs depend on the last digits of the log, and single precision promises nothing.
+    pub amplification: Option<f64>,
+    /// Finalists left out of gaps and order because they amplify that much.
+    pub amplified: usize,
     /// Finalists, at most [`super::FINALISTS`] and the user's start.
     pub finalists: usize,
     /// Finalists that the oracle could not score.
@@ -95,16 +100,42 @@ impl Verdict {
     }
 }
 
+/// Finalists with what the oracle says of them.
+pub(super) type Pairs<'a> = [(&'a Scored, &'a Verdict)];
+
+/// Amplification from which a promise is none: a change of the log by a share of its standard deviations changes nll a row by as
+/// much.
+pub(super) const AMPLIFIED: f64 = 1.0;
+
+/// Those whose costs rounding does not decide, and the amplification of one of them.
+pub(super) fn steady<'a>(
+    pairs: &Pairs<'a>,
+    winner: &Scored,
+    amplification: Option<&Amplification<'_>>,
+) -> (Vec<(&'a Scored, &'a Verdict)>, Option<f64>) {
+    let Some(amplification) = amplification else { return (pairs.to_vec(), None) };
+    let found: Vec<f64> = pairs.par_iter().map(|(finalist, _)| amplification(&finalist.candidate)).collect();
+    let of_winner = pairs.iter().position(|(finalist, _)| std::ptr::eq(*finalist, winner)).map(|i| found[i]);
+    let steady = pairs.iter().zip(&found).filter(|(_, found)| **found < AMPLIFIED);
+    (steady.map(|(pair, _)| *pair).collect(), of_winner)
+}
+
 impl Certificate {
-    /// Of `finalists`, of which the oracle scored `pairs`; the winner is one of them.
+    /// Whether the winner's costs are what single precision promises: it does not amplify the last digits of the log.
+    #[must_use]
+    pub fn promise_holds(&self) -> bool {
+        self.amplification.is_none_or(|amplification| amplification < AMPLIFIED)
+    }
+
+    /// Of so many finalists, of which the oracle scored `pairs`; gaps and order are those of the steady ones. The winner is
+    /// one of the pairs.
     pub(super) fn over(
-        finalists: usize,
-        pairs: &[(&Scored, &Verdict)],
-        search: &Scored,
-        exact: &Verdict,
+        (finalists, pairs): (usize, &Pairs<'_>),
+        (steady, amplification): (&Pairs<'_>, Option<f64>),
+        (search, exact): (&Scored, &Verdict),
         bounds: Bounds<'_>,
     ) -> Self {
-        let costs = || pairs.iter().flat_map(|(f, v)| f.costs.iter().zip(&v.objectives).enumerate());
+        let costs = || steady.iter().flat_map(|(f, v)| f.costs.iter().zip(&v.objectives).enumerate());
         let relative = costs().map(|(j, (a, b))| bounds.kind(j).gap(*a, *b, bounds.rows));
         let resolved = costs().map(|(j, (a, b))| bounds.apart(j, *a, *b));
         Self {
@@ -112,7 +143,9 @@ impl Certificate {
             objectives_search: search.costs.clone(),
             largest_relative_gap: relative.fold(0.0, f64::max),
             largest_gap: resolved.fold(0.0, f64::max),
-            order_held: pairs.len() == finalists && order_held(pairs, bounds),
+            order_held: pairs.len() == finalists && order_held(steady, bounds),
+            amplification,
+            amplified: pairs.len() - steady.len(),
             finalists,
             refused: finalists - pairs.len(),
             dropped: pairs.iter().filter(|(_, v)| v.violation > 0.0).count(),
@@ -127,18 +160,20 @@ pub(super) const ORDER_TOLERANCE: f64 = 1e-5;
 /// objective by the oracle, and the certificate; `None` if the oracle can score none.
 pub(super) fn certify(
     finalists: &[Scored],
-    oracle: &Oracle<'_>,
+    (oracle, amplification): (&Oracle<'_>, Option<&Amplification<'_>>),
     bounds: Bounds<'_>,
 ) -> Option<(Vec<f64>, Verdict, Certificate)> {
     let verdicts: Vec<Option<Verdict>> = finalists.par_iter().map(|f| bounds.ask(oracle, &f.candidate)).collect();
     let pairs: Vec<(&Scored, &Verdict)> =
         finalists.iter().zip(&verdicts).filter_map(|(f, v)| Some((f, v.as_ref()?))).collect();
     let (search, exact) = *pairs.iter().min_by(|a, b| a.1.order(b.1))?;
-    Some((search.candidate.clone(), exact.clone(), Certificate::over(finalists.len(), &pairs, search, exact, bounds)))
+    let (steady, amplification) = steady(&pairs, search, amplification);
+    let certificate = Certificate::over((finalists.len(), &pairs), (&steady, amplification), (search, exact), bounds);
+    Some((search.candidate.clone(), exact.clone(), certificate))
 }
 
 /// By the first objective, among finalists that the constraints treat alike.
-fn order_held(pairs: &[(&Scored, &Verdict)], bounds: Bounds<'_>) -> bool {
+fn order_held(pairs: &Pairs<'_>, bounds: Bounds<'_>) -> bool {
     pairs.iter().all(|(a, exact_a)| {
         pairs.iter().all(|(b, exact_b)| {
             let swapped = a.violation <= b.violation && a.costs[0] < b.costs[0] && exact_b.order(exact_a).is_lt();
@@ -162,7 +197,7 @@ mod tests {
 
     fn certificate(search: &[f64], exact: &'static [f64]) -> (Vec<f64>, Verdict, Certificate) {
         let oracle = move |x: &[f64]| Some(vec![exact[x[0] as usize]]);
-        certify(&finalists(search), &oracle, ONE).expect("scored")
+        certify(&finalists(search), (&oracle, None), ONE).expect("scored")
     }
 
     #[test]
@@ -179,14 +214,27 @@ mod tests {
         assert!(!certificate(&[1.0, 1.000_001, 3.0], &[1.001, 1.000_001, 3.0]).2.order_held);
     }
 
+    /// Of a filter that has lost the track nobody has the cost: it decides no order, and the winner may be one.
+    #[test]
+    fn amplified_finalists_count_in_no_gap() {
+        let exact: &[f64] = &[1.0, 5.0, 2.0];
+        let oracle = move |x: &[f64]| Some(vec![exact[x[0] as usize]]);
+        let amplification = |x: &[f64]| if x[0] == 1.0 { f64::INFINITY } else { 0.25 };
+        let judge = (&oracle as &Oracle<'_>, Some(&amplification as &Amplification<'_>));
+        let (winner, _, certificate) = certify(&finalists(&[1.0, 1.5, 2.0]), judge, ONE).expect("scored");
+        assert_eq!((winner, certificate.amplification, certificate.amplified), (vec![0.0], Some(0.25), 1));
+        assert!(certificate.order_held && certificate.largest_relative_gap == 0.0, "{certificate:?}");
+    }
+
     #[test]
     fn what_the_oracle_cannot_score_never_wins() {
         let oracle = |x: &[f64]| if x[0] < 1.0 { Some(vec![f64::NAN]) } else { Some(vec![x[0]]) };
-        let (winner, _, certificate) = certify(&finalists(&[1.0, 2.0, 3.0]), &oracle, ONE).expect("two are scored");
+        let (winner, _, certificate) =
+            certify(&finalists(&[1.0, 2.0, 3.0]), (&oracle, None), ONE).expect("two are scored");
         assert_eq!(winner, [1.0]);
         assert_eq!((certificate.refused, certificate.finalists, certificate.order_held), (1, 3, false));
-        assert_eq!(certify(&finalists(&[1.0, 2.0]), &|_| None, ONE), None);
-        assert_eq!(certify(&[], &|_| Some(vec![1.0]), ONE), None);
+        assert_eq!(certify(&finalists(&[1.0, 2.0]), (&|_| None, None), ONE), None);
+        assert_eq!(certify(&[], (&|_| Some(vec![1.0]), None), ONE), None);
     }
 
     /// nis_mean is 3, 1.1 and 1.3 against a limit of 1.2: the best cost violates most.
@@ -196,7 +244,7 @@ mod tests {
         let constraint = |limit| [Constraint { measure: measure.clone(), relation: Relation::AtMost, limit }];
         let oracle = |x: &[f64]| Some(vec![x[0], [3.0, 1.1, 1.3][x[0] as usize]]);
         let winner = |constraints: &[Constraint]| {
-            certify(&finalists(&[1.0, 2.0, 3.0]), &oracle, Bounds { constraints, ..ONE }).expect("scored")
+            certify(&finalists(&[1.0, 2.0, 3.0]), (&oracle, None), Bounds { constraints, ..ONE }).expect("scored")
         };
         let (candidate, verdict, certificate) = winner(&constraint(1.2));
         assert_eq!((candidate, verdict.constraints, certificate.dropped), (vec![1.0], vec![1.1], 2));

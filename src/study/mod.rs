@@ -74,10 +74,16 @@ impl<'a> Study<'a> {
 /// threads.
 pub type Oracle<'a> = dyn Fn(&[f64]) -> Option<Vec<f64>> + Sync + 'a;
 
+/// How far a candidate's filter carries a small change of its log ([`crate::reference::amplification`]); infinite where it
+/// fails. Called from several threads.
+pub type Amplification<'a> = dyn Fn(&[f64]) -> f64 + Sync + 'a;
+
 /// Who decides after the search.
 pub struct Judge<'a> {
     /// Scores the finalists, the baseline and the polished winner.
     pub oracle: &'a Oracle<'a>,
+    /// Says which finalists have costs that rounding may not decide; `None` = all have, as with a linear filter.
+    pub amplification: Option<&'a Amplification<'a>>,
     /// The f64 evaluator that polish runs on; `None` = the one of the search, which is right when that is f64 already.
     pub polisher: Option<&'a mut dyn Evaluator>,
 }

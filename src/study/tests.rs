@@ -52,7 +52,13 @@ impl Observer for Interrupt<'_> {
 }
 
 fn study_of(parameters: &Parameters, tune: &TuneSpec, mock: &mut Mock) -> Result<Outcome, StudyError> {
-    run(&Study { parameters, tune }, mock, Judge { oracle: &sphere, polisher: None }, &mut [], &AtomicBool::new(false))
+    run(
+        &Study { parameters, tune },
+        mock,
+        Judge { oracle: &sphere, amplification: None, polisher: None },
+        &mut [],
+        &AtomicBool::new(false),
+    )
 }
 
 fn study(tune: &TuneSpec) -> Outcome {
@@ -102,7 +108,7 @@ fn an_interrupt_keeps_the_best() {
     let mut watcher = Interrupt { flag: &flag, at: 7, seen: Vec::new() };
     let spec = TuneSpec { polish: true, ..tune("pso", 20, 1000) };
     let (parameters, mut mock) = (parameters(None), Mock::new(Landscape::Sphere));
-    let judge = Judge { oracle: &sphere, polisher: None };
+    let judge = Judge { oracle: &sphere, amplification: None, polisher: None };
     let outcome = run(&Study { parameters: &parameters, tune: &spec }, &mut mock, judge, &mut [&mut watcher], &flag);
     let outcome = outcome.expect("an outcome");
     assert_eq!((outcome.stop, outcome.stop.name(), outcome.generations), (StopReason::Interrupted, "interrupted", 8));
@@ -114,7 +120,7 @@ fn an_interrupt_keeps_the_best() {
 #[test]
 fn an_interrupt_before_the_first_generation_leaves_no_winner() {
     let (parameters, spec, mut mock) = (parameters(None), tune("pso", 20, 10), Mock::new(Landscape::Sphere));
-    let judge = Judge { oracle: &sphere, polisher: None };
+    let judge = Judge { oracle: &sphere, amplification: None, polisher: None };
     let study = Study { parameters: &parameters, tune: &spec };
     let outcome = run(&study, &mut mock, judge, &mut [], &AtomicBool::new(true)).expect("an outcome");
     assert_eq!((outcome.stop, outcome.winner, mock.calls), (StopReason::Interrupted, None, 0));
@@ -159,13 +165,13 @@ fn the_winner_is_never_worse_than_the_baseline() {
     let optimum = [Landscape::optimum(0), Landscape::optimum(1)];
     let oracle = |x: &[f64]| Some(vec![(x[0] - 4.5).abs()]);
     let (parameters, spec, mut mock) = (parameters(Some(4.5)), tune("pso", 20, 30), Mock::new(Landscape::Sphere));
-    let judge = Judge { oracle: &oracle, polisher: None };
+    let judge = Judge { oracle: &oracle, amplification: None, polisher: None };
     let study = Study { parameters: &parameters, tune: &spec };
     let outcome = run(&study, &mut mock, judge, &mut [], &AtomicBool::new(false)).expect("an outcome");
     assert_eq!((winner(&outcome).candidate.as_slice(), winner(&outcome).objectives[0]), (&[4.5, 4.5][..], 0.0));
     assert!(!winner(&outcome).certificate.order_held, "the search preferred the neighbourhood of {optimum:?}");
     let left_out = TuneSpec { include_start: false, ..spec };
-    let judge = Judge { oracle: &oracle, polisher: None };
+    let judge = Judge { oracle: &oracle, amplification: None, polisher: None };
     let study = Study { parameters: &parameters, tune: &left_out };
     let outcome = run(&study, &mut mock, judge, &mut [], &AtomicBool::new(false)).expect("an outcome");
     assert!(winner(&outcome).objectives[0] > 0.1, "without the start it cannot know");
@@ -202,7 +208,7 @@ fn polish_keeps_to_the_time_and_to_an_interrupt() {
     };
     let spec = TuneSpec { wall_time: None, ..spec };
     let (parameters, mut mock) = (parameters(Some(4.0)), Mock::new(Landscape::Sphere));
-    let judge = Judge { oracle: &oracle, polisher: None };
+    let judge = Judge { oracle: &oracle, amplification: None, polisher: None };
     let outcome = run(&Study { parameters: &parameters, tune: &spec }, &mut mock, judge, &mut [], &flag);
     let outcome = outcome.expect("an outcome");
     let polish = winner(&outcome).polish.as_ref().expect("a polish");
@@ -233,7 +239,7 @@ fn what_the_cost_does_not_depend_on_stays_at_its_start() {
     let oracle = |x: &[f64]| Some(vec![40.0 + (x[0] - 1.0).powi(2)]);
     for algorithm in ["pso", "random"] {
         let spec = TuneSpec { polish: true, ..tune(algorithm, 20, 10) };
-        let judge = Judge { oracle: &oracle, polisher: None };
+        let judge = Judge { oracle: &oracle, amplification: None, polisher: None };
         let parameters = parameters(Some(3.25));
         let study = Study { parameters: &parameters, tune: &spec };
         let outcome = run(&study, &mut Half, judge, &mut [], &AtomicBool::new(false)).expect("an outcome");
@@ -252,7 +258,7 @@ fn polish_never_makes_it_worse_by_the_oracle() {
     let oracle = |x: &[f64]| Some(vec![1.0 - 1e-3 * Landscape::Sphere.value(x)]);
     let (parameters, mut mock, mut polisher) =
         (parameters(None), Mock::new(Landscape::Sphere), Mock::new(Landscape::Sphere));
-    let judge = Judge { oracle: &oracle, polisher: Some(&mut polisher) };
+    let judge = Judge { oracle: &oracle, amplification: None, polisher: Some(&mut polisher) };
     let study = Study { parameters: &parameters, tune: &spec };
     let outcome = run(&study, &mut mock, judge, &mut [], &AtomicBool::new(false)).expect("an outcome");
     let polish = winner(&outcome).polish.as_ref().expect("a polish");

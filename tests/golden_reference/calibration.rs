@@ -91,7 +91,7 @@ impl Model {
 fn tune(problem: &Problem, log: &kfgpu::data::Log) -> Vec<f64> {
     let mut evaluator = CpuEvaluator::new(problem, log, CpuOptions::default()).expect("traced");
     let oracle = |candidate: &[f64]| scores(problem, log, candidate).ok();
-    let judge = Judge { oracle: &oracle, polisher: None };
+    let judge = Judge { oracle: &oracle, amplification: None, polisher: None };
     let none = AtomicBool::new(false);
     let outcome = study::run(&Study::of(problem), &mut evaluator, judge, &mut [], &none).expect("runs");
     outcome.winner.expect("there is one").candidate

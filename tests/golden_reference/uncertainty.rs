@@ -166,7 +166,7 @@ fn a_long_log_has_standard_errors() {
     let log = simulate(&problem, None).expect("a log");
     let mut lanes = CpuEvaluator::new(&problem, &log, CpuOptions::default()).expect("traced");
     let oracle = |candidate: &[f64]| reference::costs(&problem, &log, candidate).ok();
-    let judge = Judge { oracle: &oracle, polisher: None };
+    let judge = Judge { oracle: &oracle, amplification: None, polisher: None };
     let outcome = study::run(&Study::of(&problem), &mut lanes, judge, &mut [], &AtomicBool::new(false));
     let winner = outcome.expect("an outcome").winner.expect("a winner");
     let found = Uncertainty::of(&problem, &log, &winner.candidate);

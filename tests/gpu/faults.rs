@@ -102,7 +102,7 @@ fn a_study_that_loses_its_gpu_ends_as_one_that_goes_on_with_the_cpu() {
         let cpu = with_cpu.then(|| cpu(&case, Precision::F32));
         let mut lossy = Lossy { evaluator, cpu, generation: 0, lost: 3, seen: vec![] };
         let oracle = |candidate: &[f64]| reference::costs(&case.problem, &case.log, candidate).ok();
-        let judge = Judge { oracle: &oracle, polisher: None };
+        let judge = Judge { oracle: &oracle, amplification: None, polisher: None };
         let study = Study::of(&case.problem);
         let outcome = study::run(&study, &mut lossy, judge, &mut [], &AtomicBool::new(false)).unwrap();
         (outcome.winner, lossy)
@@ -152,14 +152,14 @@ fn a_loss_ends_as_the_checkpoint_before_it_resumed_on_the_cpu() {
         let evaluator = gpu(&case, &options(&adapter, Precision::F32));
         let mut lossy = Lossy { evaluator, cpu: None, generation: 0, lost, seen: vec![] };
         let (mut polisher, mut keeper) = (cpu(&case, Precision::F64), Keeper::default());
-        let judge = Judge { oracle: &oracle, polisher: Some(&mut polisher) };
+        let judge = Judge { oracle: &oracle, amplification: None, polisher: Some(&mut polisher) };
         let outcome = study::run(&study, &mut lossy, judge, &mut [&mut keeper], &flag).unwrap();
         let at = |generation: usize| &keeper.0[generation].device;
         assert_eq!((at(lost - 1).backend, at(lost).backend), (Backend::Gpu, Backend::Cpu), "lost at {lost}");
         assert_eq!((at(0).precision, at(6).precision), (Precision::F32, Precision::F32), "lost at {lost}");
 
         let (mut resumed, mut polisher) = (cpu(&case, Precision::F32), cpu(&case, Precision::F64));
-        let judge = Judge { oracle: &oracle, polisher: Some(&mut polisher) };
+        let judge = Judge { oracle: &oracle, amplification: None, polisher: Some(&mut polisher) };
         let again = study::resume(&study, &keeper.0[lost - 1], &mut resumed, judge, &mut [], &flag).unwrap();
         assert_eq!(without_times(again), without_times(outcome), "lost at {lost}");
     }

@@ -29,7 +29,7 @@ fn tune((problem, log): &(Problem, Log), spec: &TuneSpec, options: CpuOptions) -
     let mut searcher = evaluator(options);
     let mut polisher = evaluator(CpuOptions { precision: Precision::F64, ..options });
     let oracle = |candidate: &[f64]| reference::costs(problem, log, candidate).ok();
-    let judge = Judge { oracle: &oracle, polisher: Some(&mut polisher) };
+    let judge = Judge { oracle: &oracle, amplification: None, polisher: Some(&mut polisher) };
     let study = Study { parameters: &problem.parameters, tune: spec };
     study::run(&study, &mut searcher, judge, &mut [], &AtomicBool::new(false)).expect("an outcome")
 }

@@ -72,7 +72,7 @@ pub(super) fn run(
     };
     let log = ground.log;
     let oracle = |candidate: &[f64]| reference::costs(problem, log, candidate).ok();
-    let judge = Judge { oracle: &oracle, polisher: None };
+    let judge = Judge { oracle: &oracle, amplification: None, polisher: None };
     let never = AtomicBool::new(false);
     let outcome = study::run_with(&Study::of(problem), optimizer.as_mut(), ground.evaluator, judge, &mut [], &never)?;
     let nothing = || ReproduceError::Nothing { what: outcome.algorithm.to_owned(), data_set: ground.data_set };

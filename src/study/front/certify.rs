@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use super::{FrontMember, Landmarks};
 use crate::model::Pick;
 use crate::optimize::pareto::dominates;
-use crate::study::finish::{Bounds, Certificate, ORDER_TOLERANCE, Verdict};
-use crate::study::{Oracle, Scored};
+use crate::study::finish::{self, Bounds, Certificate, ORDER_TOLERANCE, Verdict};
+use crate::study::{Amplification, Oracle, Scored};
 
 /// A front by the oracle.
 pub(in crate::study) struct Certified {
@@ -21,7 +21,7 @@ pub(in crate::study) struct Certified {
 /// `None` where nothing is left.
 pub(in crate::study) fn certify(
     front: &[Scored],
-    oracle: &Oracle<'_>,
+    (oracle, amplification): (&Oracle<'_>, Option<&Amplification<'_>>),
     bounds: Bounds<'_>,
     pick: &Pick,
 ) -> Option<Certified> {
@@ -42,10 +42,11 @@ pub(in crate::study) fn certify(
     let objectives: Vec<Vec<f64>> = kept.iter().map(|(_, verdict)| verdict.objectives.clone()).collect();
     let landmarks = Landmarks::of(&objectives, pick)?;
     let (search, exact) = kept[landmarks.recommended];
+    let (steady, amplification) = finish::steady(&pairs, search, amplification);
     let certificate = Certificate {
         dropped: pairs.len() - kept.len(),
-        order_held: pairs.len() == front.len() && order_held(&pairs, bounds),
-        ..Certificate::over(front.len(), &pairs, search, exact, bounds)
+        order_held: pairs.len() == front.len() && order_held(&steady, bounds),
+        ..Certificate::over((front.len(), &pairs), (&steady, amplification), (search, exact), bounds)
     };
     let members = kept.into_iter().map(|(m, v)| member(m, v)).collect();
     Some(Certified { members, landmarks, certificate })

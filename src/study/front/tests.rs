@@ -110,7 +110,7 @@ fn the_oracle_filters_the_front_again() {
     let search = scored(&[[0.0, 3.0], [1.0, 2.0], [2.0, 1.0], [3.0, 0.0]]);
     let exact = [[0.0, 3.0], [2.5, 2.0], [2.0, 1.0], [3.0, 0.0]];
     let oracle = |x: &[f64]| Some(exact[x[0] as usize].to_vec());
-    let found = certify(&search, &oracle, TWO, &Pick::Best(1)).expect("a front");
+    let found = certify(&search, (&oracle, None), TWO, &Pick::Best(1)).expect("a front");
     let members: Vec<f64> = found.members.iter().map(|m| m.candidate[0]).collect();
     assert_eq!(members, [0.0, 2.0, 3.0], "member 1 is dominated by member 2");
     assert_eq!((found.certificate.dropped, found.certificate.order_held, found.certificate.finalists), (1, false, 4));
@@ -123,7 +123,7 @@ fn a_dominance_within_single_precision_is_no_overturn() {
     let search = scored(&[[1.0, 2.0], [1.000_001, 1.999_999]]);
     let with = |second: [f64; 2]| {
         let oracle = move |x: &[f64]| Some(if x[0] < 1.0 { vec![1.0, 2.0] } else { second.to_vec() });
-        certify(&search, &oracle, TWO, &Pick::Knee).expect("a front")
+        certify(&search, (&oracle, None), TWO, &Pick::Knee).expect("a front")
     };
     let close = with([1.000_001, 2.0]);
     assert_eq!((close.members.len(), close.certificate.dropped, close.certificate.order_held), (1, 1, true));
@@ -141,7 +141,7 @@ fn members_must_meet_the_constraints_by_the_oracle() {
             let i = x[0] as usize;
             Some(vec![search[i].costs[0], search[i].costs[1], nis[i]])
         };
-        certify(search, &oracle, bounds, &Pick::Knee)
+        certify(search, (&oracle, None), bounds, &Pick::Knee)
     };
     let found = with([1.0, 1.3, 1.1]).expect("two are feasible");
     assert_eq!(found.members.iter().map(|m| m.constraints[0]).collect::<Vec<_>>(), [1.0, 1.1]);
@@ -152,6 +152,6 @@ fn members_must_meet_the_constraints_by_the_oracle() {
 #[test]
 fn equal_members_are_one() {
     let search = scored(&[[1.0, 2.0], [1.000_001, 1.999_999]]);
-    let found = certify(&search, &|_| Some(vec![1.0, 2.0]), TWO, &Pick::Knee).expect("a front");
+    let found = certify(&search, (&|_| Some(vec![1.0, 2.0]), None), TWO, &Pick::Knee).expect("a front");
     assert_eq!(found.members.iter().map(|m| m.candidate[0]).collect::<Vec<_>>(), [0.0]);
 }

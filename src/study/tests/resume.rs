@@ -27,7 +27,7 @@ fn bits(mut outcome: Outcome) -> Outcome {
 }
 
 fn judge<'a>() -> Judge<'a> {
-    Judge { oracle: &sphere, polisher: None }
+    Judge { oracle: &sphere, amplification: None, polisher: None }
 }
 
 /// A whole study with every state, of candidates that fail in a corner.

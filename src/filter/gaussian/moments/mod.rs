@@ -2,12 +2,12 @@
 //! noise, so that updates, masks, factors and adaptation are written once.
 
 mod affine;
-mod extended;
+mod linearised;
 mod sigma;
 mod tangent;
 
 pub(in crate::filter) use affine::Affine;
-pub(in crate::filter) use extended::Extended;
+pub(in crate::filter) use linearised::Linearised;
 pub(in crate::filter) use sigma::{Points, Sigma};
 
 use crate::filter::covariance::Covariance;
@@ -73,6 +73,11 @@ pub(in crate::filter) struct Columns {
     pub(in crate::filter) linear: Vec<Vec<Id>>,
     /// To the excess.
     pub(in crate::filter) excess: Vec<Vec<Id>>,
+}
+
+/// Affine formulas, by whatever rule: all are exact for them.
+fn exact(t: &mut Tracer<'_>, row: &Row, map: Map, x: &[Id], P: &Covariance) -> Result<Moments, TraceError> {
+    Affine.through(t, row, map, x, P)
 }
 
 /// A way to take a gaussian through formulas.

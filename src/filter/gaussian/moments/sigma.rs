@@ -6,7 +6,7 @@
 //! of the points, without a difference of large numbers.
 
 use super::tangent::{Tangent, tangent};
-use super::{Affine, Columns, Map, MapNodes, MomentRule, Moments};
+use super::{Columns, Map, MapNodes, MomentRule, Moments, exact};
 use crate::filter::carried::narrow;
 use crate::filter::covariance::{Covariance, Root, Symmetric};
 use crate::filter::error::TraceError;
@@ -21,9 +21,9 @@ use std::collections::HashMap;
 #[derive(Debug, Clone, Copy)]
 pub(in crate::filter) enum Points {
     /// Those of the settings alpha, beta and kappa.
-    Unscented,
+    Settings,
     /// alpha = 1, beta = kappa = 0.
-    Cubature,
+    Equal,
 }
 
 /// E f(x) and its covariance from points.
@@ -62,7 +62,7 @@ impl Sigma {
         let n = g.constant(u32::try_from(n).unwrap_or(u32::MAX).into());
         let zero = g.constant(0.0);
         let [alpha, beta, kappa] = match (self.points, settings) {
-            (Points::Unscented, [alpha, beta, kappa, ..]) => [*alpha, *beta, *kappa],
+            (Points::Settings, [alpha, beta, kappa, ..]) => [*alpha, *beta, *kappa],
             _ => [one, zero, zero],
         };
         let spread = g.add(n, kappa);
@@ -88,13 +88,13 @@ impl MomentRule for Sigma {
     ) -> Result<Moments, TraceError> {
         let formulas = map.of(&row.model);
         if self.affine && formulas.is_affine() {
-            return Affine.through(t, row, map, x, P);
+            return exact(t, row, map, x, P);
         }
         let weights = self.weights(&mut t.g, x.len(), &row.model.settings);
         let Tangent { fixed, mut value, mut jacobian, centre } = tangent(t, row, map, x);
         let root = P.root(&mut t.g);
-        let exact: Vec<bool> = formulas.affine.iter().map(|affine| *affine && self.affine).collect();
-        let parts = parts(t, (formulas, map), &exact, (&root, &centre), &weights);
+        let own: Vec<bool> = formulas.affine.iter().map(|affine| *affine && self.affine).collect();
+        let parts = parts(t, (formulas, map), &own, (&root, &centre), &weights);
         let g = &mut t.g;
         let mut moved = vec![];
         for (i, value) in value.iter_mut().enumerate() {
@@ -107,7 +107,7 @@ impl MomentRule for Sigma {
             Columns { linear: vec![vec![]; root.n()], excess: excess_columns(g, &weights, &parts, &moved) };
         for (i, row) in jacobian.iter_mut().enumerate() {
             let along = |g: &mut Graph, j: usize| {
-                if exact[i] {
+                if own[i] {
                     // The row is its own tangent.
                     g.dot(row.iter().copied().zip(root.column(j)))
                 } else {
@@ -116,7 +116,7 @@ impl MomentRule for Sigma {
             };
             let seen: Vec<Id> = (0..root.n()).map(|j| along(g, j)).collect();
             columns.linear.iter_mut().zip(&seen).for_each(|(column, seen)| column.push(*seen));
-            if !exact[i] {
+            if !own[i] {
                 *row = root.solve(g, &seen);
             }
         }

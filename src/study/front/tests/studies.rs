@@ -77,7 +77,7 @@ fn parameters(start: Option<f64>) -> Parameters {
 fn study(scores: Scores, tune: &TuneSpec, start: Option<f64>) -> Result<Outcome, StudyError> {
     let mut mock = Mock { scores, tune, fails: false };
     let oracle = |x: &[f64]| Some(scores(x));
-    let judge = Judge { oracle: &oracle, polisher: None };
+    let judge = Judge { oracle: &oracle, amplification: None, polisher: None };
     let study = Study { parameters: &parameters(start), tune };
     run(&study, &mut mock, judge, &mut [], &AtomicBool::new(false))
 }
@@ -214,7 +214,7 @@ fn a_front_where_every_candidate_fails_is_empty() {
         let spec = tune(algorithm, 2);
         let mut mock = Mock { scores: SCHAFFER, tune: &spec, fails: true };
         let oracle = |x: &[f64]| Some(SCHAFFER(x));
-        let judge = Judge { oracle: &oracle, polisher: None };
+        let judge = Judge { oracle: &oracle, amplification: None, polisher: None };
         let study = Study { parameters: &parameters(Some(1.0)), tune: &spec };
         let outcome = run(&study, &mut mock, judge, &mut [], &AtomicBool::new(false)).expect("an outcome");
         assert_eq!((outcome.winner, outcome.front.len(), outcome.failed), (None, 0, outcome.evaluations));
@@ -248,7 +248,7 @@ fn wrong_use_of_several_objectives_says_what_to_do() {
         Mock { scores: BOUNDED, tune: &TuneSpec { constraints: at_least(1.0), ..tune("pso", 1) }, fails: false };
     let oracle = |x: &[f64]| Some(short(x));
     let study = Study { parameters: &parameters(None), tune: mock.tune };
-    let judge = Judge { oracle: &oracle, polisher: None };
+    let judge = Judge { oracle: &oracle, amplification: None, polisher: None };
     let error = run(&study, &mut mock, judge, &mut [], &AtomicBool::new(false)).expect_err("an error").to_string();
     assert!(error.starts_with("the oracle returned 1 values for 2 objectives and constraints"), "{error}");
 }

@@ -2,7 +2,7 @@
 //! Bell and Cathey (1993), doi 10.1109/9.250476.
 
 use super::tangent::{Tangent, tangent};
-use super::{Affine, Map, MomentRule, Moments};
+use super::{Map, MomentRule, Moments, exact};
 use crate::filter::covariance::Covariance;
 use crate::filter::error::TraceError;
 use crate::filter::form::Carrying;
@@ -12,13 +12,13 @@ use crate::tape::Id;
 
 /// E f(x) = f(E x), and F = df/dx there.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::filter) struct Extended {
+pub(in crate::filter) struct Linearised {
     iterations: usize,
     /// See [`Carrying::affine`].
     affine: bool,
 }
 
-impl Extended {
+impl Linearised {
     pub(in crate::filter) const fn new(carrying: Carrying, iterations: usize) -> Self {
         Self { iterations, affine: carrying.affine }
     }
@@ -28,7 +28,7 @@ impl Extended {
     }
 }
 
-impl MomentRule for Extended {
+impl MomentRule for Linearised {
     fn through(
         &self,
         t: &mut Tracer<'_>,
@@ -38,7 +38,7 @@ impl MomentRule for Extended {
         P: &Covariance,
     ) -> Result<Moments, TraceError> {
         if self.is_affine(row, map) {
-            return Affine.through(t, row, map, x, P);
+            return exact(t, row, map, x, P);
         }
         let Tangent { fixed, value, jacobian, .. } = tangent(t, row, map, x);
         let moved = vec![t.g.constant(0.0); fixed.len()];

@@ -17,7 +17,8 @@ use crate::report::{Columns, Consistency, Covariance, Evidence, Named, RunTable,
 /// Run one filter over the log in f64, and write its states, covariances and innovations as CSV.
 ///
 /// Columns: trajectory (where the log has them), time as the log writes it, posterior states, posterior covariance `P_a_b`, prior
-/// innovations `nu_z`, their variances `S_z`, and `nis`; with --smooth also smoothed states `x_smoothed` and covariance
+/// innovations `nu_z`, their variances `S_z`, and `nis`; of a filter of several models (imm) the probability of each after the
+/// row, `p_mode`; with --smooth also smoothed states `x_smoothed` and covariance
 /// `P_a_b_smoothed`. A cell is empty where nothing was measured.
 #[derive(Debug, Args)]
 pub(super) struct Filter {

@@ -15,7 +15,7 @@ use crate::study::{Outcome, Winner};
 const FOLDER: &str = "figures";
 
 /// Every picture there may be. One that a run does not draw is removed, so that none is left of an earlier run.
-const NAMES: [&str; 12] = [
+const NAMES: [&str; 13] = [
     "front.svg",
     "parameters.svg",
     "hypervolume.svg",
@@ -24,6 +24,7 @@ const NAMES: [&str; 12] = [
     "plan.svg",
     "estimates.svg",
     "errors.svg",
+    "modes.svg",
     "innovations.svg",
     "nis.svg",
     "autocorrelation.svg",
@@ -105,7 +106,8 @@ pub(super) fn drawn(folder: &OutFolder, tuning: &Tuning) -> Vec<Picture> {
 
 /// Which rows a picture of the filter shows, where not all were tuned on.
 fn rows_shown(name: &str, tuning: &Tuning) -> &'static str {
-    let over_time = matches!(name, "plan.svg" | "estimates.svg" | "errors.svg" | "innovations.svg" | "nis.svg");
+    let over_time =
+        matches!(name, "plan.svg" | "estimates.svg" | "errors.svg" | "modes.svg" | "innovations.svg" | "nis.svg");
     let pooled = matches!(name, "autocorrelation.svg" | "histogram.svg");
     let Some(validation) = tuning.validation.as_ref().filter(|_| over_time || pooled) else { return "" };
     match (tuning.consistency_on, validation.by) {
@@ -124,6 +126,7 @@ fn caption(name: &str) -> &'static str {
         "parameters.svg" => "Parameters and objectives of the front's members, a line each.",
         "hypervolume.svg" => "The search: the volume that its front dominates.",
         "errors.svg" => "Errors of the estimates against the truth, with the 3-sigma band of the filter.",
+        "modes.svg" => "How likely each of the filter's models is after each row.",
         "convergence.svg" => "The search: the best cost so far and the spread of each generation.",
         "plan.svg" => "The track from above, one scale for both axes: measurements and the tuned filter's estimates.",
         "landscape.svg" => "The cost around the tuned parameters, with the start values marked.",
@@ -205,6 +208,7 @@ fn of_run(problem: &Problem, logs: Logs<'_>, candidate: &[f64], whiteness: &[Whi
         ("histogram.svg", record.histogram()),
     ];
     pictures.extend(record.errors().map(|errors| ("errors.svg", errors)));
+    pictures.extend(record.modes().map(|modes| ("modes.svg", modes)));
     pictures.extend(record.plan().map(|plan| ("plan.svg", plan)));
     Ok(pictures)
 }

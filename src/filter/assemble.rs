@@ -66,6 +66,7 @@ pub(super) fn assemble(
         constraints: Vec::new(),
         units: t.units.clone(),
         entries: partition.entries(),
+        modes: filter.family.modes(),
         parameter_names: t.problem.parameters.names().iter().map(|n| (*n).to_owned()).collect(),
         scorers: request.objectives.iter().cloned().zip(slots.traced(&steps[0].traced)).collect(),
     })

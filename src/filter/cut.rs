@@ -2,7 +2,6 @@
 
 use super::carry::Entry;
 use super::covariance::Symmetric;
-use super::form::Form;
 use super::program::{Program, Span, Step};
 
 impl Program {
@@ -37,12 +36,11 @@ impl Program {
     #[must_use]
     pub fn prior(&self, registers: &[f64], nominal: &[f64]) -> Vec<f64> {
         let units = &self.units.states;
+        let value = |register: usize| registers[register];
         let nominal = nominal.iter().copied().chain(std::iter::repeat(0.0));
-        let x = self.entries.iter().zip(units).zip(nominal);
-        let x = x.map(|((entry, unit), nominal)| {
-            nominal + entry.value(|register| registers[register]) * 2.0_f64.powi(*unit)
-        });
-        let places = Symmetric::places(units.len()).zip(self.covariance(registers));
+        let x = self.mean(value).into_iter().zip(units).zip(nominal);
+        let x = x.map(|((x, unit), nominal)| nominal + x * 2.0_f64.powi(*unit));
+        let places = Symmetric::places(units.len()).zip(self.spread(value));
         x.chain(places.map(|((i, j), p)| p * 2.0_f64.powi(units[i]) * 2.0_f64.powi(units[j]))).collect()
     }
 
@@ -50,28 +48,15 @@ impl Program {
     #[must_use]
     pub fn spreads(&self, registers: &[f64]) -> Vec<(usize, f64)> {
         let n = self.units.states.len();
-        let places = Symmetric::places(n).zip(self.covariance(registers));
-        let variances = places.filter(|((i, j), _)| i == j).map(|(_, p)| p.max(0.0));
-        let spread = |(entry, variance): (&Entry, f64)| match entry {
-            Entry::Constant(_) => None,
-            Entry::Carried(register) => Some((*register, variance.sqrt())),
+        let of_gaussian = |entries: &[Entry]| {
+            let places = Symmetric::places(n).zip(self.covariance(entries, |register| registers[register]));
+            let variances = places.filter(|((i, j), _)| i == j).map(|(_, p)| p.max(0.0));
+            let spread = |(entry, variance): (&Entry, f64)| match entry {
+                Entry::Constant(_) => None,
+                Entry::Carried(register) => Some((*register, variance.sqrt())),
+            };
+            entries.iter().zip(variances).filter_map(spread).collect::<Vec<_>>()
         };
-        self.entries.iter().zip(variances).filter_map(spread).collect()
-    }
-
-    /// The upper triangle of P in the units of the steps.
-    fn covariance(&self, registers: &[f64]) -> Vec<f64> {
-        let n = self.units.states.len();
-        let mut carried = vec![0.0; n * n];
-        let entries = Symmetric::places(n).zip(&self.entries[n..]);
-        entries.for_each(|((i, j), entry)| carried[i * n + j] = entry.value(|register| registers[register]));
-        // U has ones on its diagonal, where D stands in what is carried.
-        let u = |i: usize, k: usize| if i == k { 1.0 } else { carried[i * n + k] };
-        let p = |(i, j): (usize, usize)| match self.carrying.form {
-            Form::Full => carried[i * n + j],
-            Form::Factored => (j..n).map(|k| u(i, k) * carried[k * n + k] * u(j, k)).sum(),
-            Form::Lower => (0..=i).map(|k| u(k, i) * carried[k * n + k] * u(k, j)).sum(),
-        };
-        Symmetric::places(n).map(p).collect()
+        self.gaussians().flat_map(of_gaussian).collect()
     }
 }

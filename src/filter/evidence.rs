@@ -1,6 +1,8 @@
 //! What objectives may see of a row, whatever the filter.
 
-use super::covariance::Covariance;
+#![expect(non_snake_case, reason = "Kalman notation: H, R")]
+
+use super::covariance::{Covariance, Symmetric};
 use crate::tape::Id;
 
 /// What a filter says of a row: nodes, in the filter's units, of the prior against what was measured, and of the posterior.
@@ -23,6 +25,15 @@ pub(crate) struct Evidence {
     pub(in crate::filter) alone: Vec<Vec<Id>>,
     /// What a candidate fails without, besides the factors.
     pub(in crate::filter) positive: Vec<Id>,
+    /// What the measurement was taken for.
+    pub(in crate::filter) seen: Seen,
+}
+
+/// A measurement z = H x + v, var v = R, with what the curvature of h adds to R.
+#[derive(Debug, Clone)]
+pub(in crate::filter) struct Seen {
+    pub(in crate::filter) H: Vec<Vec<Id>>,
+    pub(in crate::filter) R: Symmetric,
 }
 
 /// The density p of what was measured in a row: -2 ln p = `exponent` + sum ln(2 pi `factors`) + sum power ln `powers`.

@@ -5,7 +5,8 @@ use super::form::Carrying;
 use super::gaussian::Gaussian;
 use super::gaussian::adapt::{Fuzzy, NoAdaptation, SageHusa, SageHusaR};
 use super::gaussian::moments::{Affine, Linearised, Points, Sigma};
-use crate::model::{FilterKind, Problem};
+use super::imm::{Imm, ModeFilter};
+use crate::model::{FilterKind, Mode, Problem};
 
 /// The filter that a problem asks for.
 pub(super) fn of(problem: &Problem, carrying: Carrying) -> Box<dyn Family> {
@@ -27,5 +28,14 @@ pub(super) fn of(problem: &Problem, carrying: Carrying) -> Box<dyn Family> {
             Box::new(Gaussian::new(carrying, Sigma::new(carrying, Points::Equal), NoAdaptation).with(robust))
         }
         FilterKind::Fuzzy(fuzzy) => Box::new(Gaussian::new(carrying, Affine, Fuzzy { window: fuzzy.window })),
+        FilterKind::Imm(imm) => {
+            let mode = |mode: &Mode| {
+                let own = problem.of_mode(mode);
+                let family = of(&own, carrying);
+                ModeFilter { name: mode.name.clone(), problem: own, family, allowed: mode.allowed.clone() }
+            };
+            let modes = problem.modes.iter().map(mode).collect();
+            Box::new(Imm { modes, transition: imm.transition.clone(), start: imm.start.clone() })
+        }
     }
 }

@@ -9,13 +9,19 @@ use crate::tape::Id;
 
 /// A filter, on the graph: what it starts from, and what a row makes of what it carries.
 ///
-/// The first n entries of what is carried are the mean of the state.
+/// The first n entries of what is carried are the mean of the state, or of its first mode.
 pub(super) trait Family {
     /// Names of the entries, in order.
     fn names(&self, model: &Model) -> Vec<String>;
 
     /// Number of entries at the end of which nothing is to be found out: they are neither constant nor equal to others.
     fn opaque(&self, _: &Model) -> usize {
+        0
+    }
+
+    /// Number of gaussians that are mixed: their entries stand one after the other, then comes the probability of each. 0 where
+    /// one is all there is.
+    fn modes(&self) -> usize {
         0
     }
 

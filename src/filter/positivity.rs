@@ -36,6 +36,7 @@ struct Check {
 }
 
 /// A matrix to be judged.
+#[derive(PartialEq, Eq)]
 struct Matrix {
     entries: Symmetric,
     /// Whether it may be singular.
@@ -149,18 +150,25 @@ impl Matrix {
 
 /// P0, R and Q as far as they have to be judged; Q as a function of the interval, which is column 0.
 fn matrices(g: &mut Graph, problem: &Problem, steps: bool) -> Vec<Matrix> {
-    let model = &problem.model;
     let parameters = formula::parameters(g, &problem.parameters, None);
     let dt = g.leaf(Leaf::Column(0));
     let scope = Scope { states: &[], parameters: &parameters, inputs: &[], dt };
-    let mut matrices = Vec::new();
-    let kinds = [(&model.p0, must_be_definite(&model.p0)), (&model.r, must_be_definite(&model.r)), (&model.q, false)];
-    for (formulas, definite) in &kinds[..if steps { 3 } else { 2 }] {
-        // M M' is semidefinite whatever M is.
-        if !is_product(formulas) {
+    let mut matrices: Vec<Matrix> = Vec::new();
+    for model in problem.models() {
+        let kinds =
+            [(&model.p0, must_be_definite(&model.p0)), (&model.r, must_be_definite(&model.r)), (&model.q, false)];
+        for (formulas, definite) in &kinds[..if steps { 3 } else { 2 }] {
+            // M M' is semidefinite whatever M is.
+            if is_product(formulas) {
+                continue;
+            }
             let n = formulas.len().isqrt();
             let entries = Symmetric::from_fn(n, |i, j| formula::trace(g, &formulas[i * n + j], scope));
-            matrices.push(Matrix { entries, semi: !definite });
+            let matrix = Matrix { entries, semi: !definite };
+            // Modes have most matrices in common.
+            if !matrices.contains(&matrix) {
+                matrices.push(matrix);
+            }
         }
     }
     matrices

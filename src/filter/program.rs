@@ -61,6 +61,8 @@ pub struct Program {
     pub(super) constraints: Vec<Constraint>,
     pub(super) units: Units,
     pub(super) entries: Vec<Entry>,
+    /// See [`Family::modes`](super::family::Family::modes).
+    pub(super) modes: usize,
     pub(super) parameter_names: Vec<String>,
     pub(super) scorers: Vec<(Objective, Traced)>,
 }

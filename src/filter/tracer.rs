@@ -30,6 +30,16 @@ impl<'a> Tracer<'a> {
         Self { g: Graph::default(), columns, rows, problem, nominal, units }
     }
 
+    /// Traces another problem over the same log, on the same graph and columns.
+    pub(super) fn on<T>(&mut self, problem: &Problem, trace: impl FnOnce(&mut Tracer<'_>) -> T) -> T {
+        let (rows, nominal, units) = (self.rows, self.nominal, self.units);
+        let g = std::mem::take(&mut self.g);
+        let mut own = Tracer { g, columns: &mut *self.columns, rows, problem, nominal, units };
+        let traced = trace(&mut own);
+        self.g = own.g;
+        traced
+    }
+
     /// The node of a value for every used row.
     pub(super) fn column(&mut self, key: Key, value: impl Fn(Place<'_>) -> f64) -> Id {
         self.columns.node(&mut self.g, key, || self.rows.places().map(value).collect())

@@ -51,8 +51,7 @@ impl Program {
 
     /// The predicted states in the problem's own units.
     fn predicted<'a>(&'a self, registers: &'a [Register<f64, 1, 1>]) -> impl Iterator<Item = f64> + 'a {
-        let value = |register: usize| registers[register].lanes()[0];
-        let entries = self.entries.iter().zip(&self.units().states);
-        entries.map(move |(entry, unit)| entry.value(value) * 2.0_f64.powi(*unit))
+        let mean = self.mean(|register| registers[register].lanes()[0]);
+        mean.into_iter().zip(&self.units().states).map(|(x, unit)| x * 2.0_f64.powi(*unit))
     }
 }

@@ -25,25 +25,26 @@ impl Problem {
     }
 
     /// An error with the place of the value at `path` of the problem file.
-    pub(crate) fn fault(&self, path: &[&str], cause: impl Into<Box<Cause>>) -> ProblemError {
+    pub(crate) fn fault(&self, path: &[impl AsRef<str>], cause: impl Into<Box<Cause>>) -> ProblemError {
         Fault::new(locate(&self.text, path), cause).locate(&self.source, &self.text)
     }
 
-    fn log_fault(&self, path: &[&str], problem: String) -> ProblemError {
+    fn log_fault(&self, path: &[impl AsRef<str>], problem: String) -> ProblemError {
         self.fault(path, Cause::Log { problem })
     }
 
     /// Searched parameters that no formula uses.
     fn unused(&self) -> Vec<String> {
-        let model = &self.model;
-        let x0 = match &model.x0 {
+        let x0 = match &self.model.x0 {
             Start::Values(values) => &values[..],
             Start::Measurement => &[],
         };
         let mut used = vec![false; self.parameters.all.len()];
-        let settings = self.settings();
+        let modes: Vec<Problem> = self.modes.iter().map(|mode| self.of_mode(mode)).collect();
+        let settings: Vec<_> = [self].into_iter().chain(&modes).flat_map(Self::settings).collect();
         let settings = settings.iter().map(|setting| setting.formula);
-        let formulas = [&model.f[..], &model.h, &model.q, &model.r, &model.p0, x0].into_iter().flatten();
+        let formulas = self.models().flat_map(|model| [&model.f[..], &model.h, &model.q, &model.r, &model.p0]);
+        let formulas = formulas.chain([x0]).flatten().chain(self.modes.iter().filter_map(|mode| mode.allowed.as_ref()));
         for formula in formulas.chain(settings) {
             formula.symbols(&mut |symbol| {
                 if let Symbol::Parameter(i) = symbol {
@@ -78,10 +79,7 @@ impl Problem {
     }
 
     fn check_intervals(&self, log: &Log, warnings: &mut Vec<String>) -> Result<(), ProblemError> {
-        standstill::check(self, log).map_err(|(path, problem)| {
-            let path: Vec<&str> = path.iter().map(String::as_str).collect();
-            self.log_fault(&path, problem)
-        })?;
+        standstill::check(self, log).map_err(|(path, problem)| self.log_fault(&path, problem))?;
         let intervals = || log.trajectories.iter().flat_map(|t| (0..t.len()).filter_map(|k| t.dt(k)));
         let irregular = log.regular_dt().is_none() && intervals().next().is_some();
         let adapted = self.filter.facts().adapts == super::Adapts::ProcessNoise;
@@ -93,13 +91,16 @@ impl Problem {
             );
             return Err(self.log_fault(&["model", "first"], problem));
         }
-        if self.model.q.iter().any(|q| q.mentions(|s| s == Symbol::Dt)) {
+        let without_dt = |model: &super::Model| !model.q.iter().any(|q| q.mentions(|s| s == Symbol::Dt));
+        let noisy = |model: &super::Model| !model.q.iter().all(super::Expr::is_zero);
+        if self.models().any(|model| !without_dt(model)) {
             let (low, high) =
                 intervals().filter(|dt| *dt > 0.0).fold((f64::INFINITY, 0.0_f64), |(l, h), dt| (l.min(dt), h.max(dt)));
             for dt in [low, high].into_iter().filter(|dt| dt.is_finite() && *dt > 0.0) {
-                definite::check_process_noise(self, dt).map_err(|cause| self.fault(&["model", "Q"], cause))?;
+                definite::check_process_noise(self, dt).map_err(|(path, cause)| self.fault(&path, cause))?;
             }
-        } else if irregular && !adapted && !self.model.q.iter().all(super::Expr::is_zero) {
+        }
+        if irregular && !adapted && self.models().any(|model| without_dt(model) && noisy(model)) {
             warnings.push(format!(
                 "the intervals of {} differ, and Q has no dt in it: every step gets the same process noise",
                 log.source
@@ -132,7 +133,8 @@ impl Problem {
     /// An h with inputs needs them wherever something is measured, in the last row too.
     fn check_inputs(&self, log: &Log) -> Result<(), ProblemError> {
         let mut used = vec![false; self.model.inputs.len()];
-        for h in &self.model.h {
+        let allowed = self.modes.iter().filter_map(|mode| mode.allowed.as_ref());
+        for h in self.models().flat_map(|model| &model.h).chain(allowed) {
             h.symbols(&mut |symbol| {
                 if let Symbol::Input(i) = symbol {
                     used[i] = true;
@@ -145,7 +147,8 @@ impl Problem {
             let missing = used.iter().zip(trajectory.u.row(last)).position(|(used, u)| *used && u.is_nan());
             if let (true, Some(input)) = (measured, missing) {
                 let problem = format!(
-                    "h uses the input `{}`, which is empty in the last row of {}, where something is measured",
+                    "{} uses the input `{}`, which is empty in the last row of {}, where something is measured",
+                    if self.modes.is_empty() { "h" } else { "h or `allowed`" },
                     self.model.inputs[input],
                     describe(log, trajectory, last)
                 );

@@ -22,7 +22,7 @@ impl Problem {
             Symbol::Dt => dt,
         };
         let x: Vec<f64> = x0.iter().map(|x| x.evaluate(&|symbol| at(&[], symbol))).collect();
-        for (key, formulas) in [("f", &self.model.f), ("h", &self.model.h)] {
+        for (key, formulas) in self.models().flat_map(|model| [("f", &model.f), ("h", &model.h)]) {
             for (i, formula) in formulas.iter().enumerate() {
                 let (value, gradient) =
                     Formula::of(formula).gradient(|symbol| at(&x, symbol), x.len(), &mut Duals::default());
@@ -61,7 +61,8 @@ impl Problem {
 
     /// A measurement whose formula is an angle and whose log goes round must be named as one; one in degrees is warned of.
     pub(super) fn check_angles(&self, log: &Log, warnings: &mut Vec<String>) -> Result<(), ProblemError> {
-        for (i, (h, name)) in self.model.h.iter().zip(&self.model.measurements).enumerate() {
+        let all = self.models().flat_map(|model| model.h.iter().zip(&model.measurements).enumerate());
+        for (i, (h, name)) in all {
             if self.model.angles.measurement(i) {
                 let far = values(log, i).find(|(.., z)| z.abs() > 1.5 * TAU);
                 warnings.extend(far.map(|(trajectory, k, z)| {

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::error::Cause;
-use super::{Binary, Expr, ExprKind, Problem, Symbol};
+use super::{Binary, Expr, ExprKind, Model, Problem, Symbol};
 
 /// What a semidefinite matrix may lack, as a share of each variance: the rounding of its entries.
 pub(crate) const ROUNDING: f64 = 1e-12;
@@ -68,12 +68,13 @@ fn products(entry: &Expr) -> Option<Vec<(&Expr, &Expr)>> {
     }
 }
 
+/// The path of a matrix that is no covariance, and what is wrong with it.
+pub(super) type Wrong = (Vec<String>, Box<Cause>);
+
 /// P0 and R positive definite, Q positive semidefinite (where it has no dt); otherwise the path of what is wrong, and how. M M'
 /// may be singular.
-pub(super) fn check(problem: &Problem) -> Result<(), (Vec<String>, Box<Cause>)> {
-    let model = &problem.model;
-    let values = problem.parameters.resolve(&problem.parameters.baseline());
-    let path = |key: &str| vec!["model".to_owned(), key.to_owned()];
+pub(super) fn check(problem: &Problem) -> Result<(), Wrong> {
+    let (model, values) = (&problem.model, problem.parameters.resolve(&problem.parameters.baseline()));
     let judge = |matrix: &[Expr], labels: &[String], (path, key): (Vec<String>, String)| {
         // M M' of a sensor has to be definite beside others: R as a whole is no product.
         let semi = is_product(matrix) && (key == "model.P0" || problem.data.sensors.len() < 2);
@@ -83,9 +84,11 @@ pub(super) fn check(problem: &Problem) -> Result<(), (Vec<String>, Box<Cause>)> 
             Some(detail) => Err((path, Box::new(Cause::NotPositive { key, semi: false, detail }))),
         }
     };
-    judge(&model.p0, &model.states, (path("P0"), "model.P0".to_owned()))?;
+    judge(&model.p0, &model.states, place(None, "P0"))?;
     if problem.data.sensors.is_empty() {
-        judge(&model.r, &model.measurements, (path("R"), "model.R".to_owned()))?;
+        for (mode, model) in numbered(problem) {
+            judge(&model.r, &model.measurements, place(mode, "R"))?;
+        }
     }
     // R of all sensors is block diagonal.
     for ((i, sensor), range) in problem.data.sensors.iter().enumerate().zip(problem.data.sensor_ranges()) {
@@ -95,21 +98,36 @@ pub(super) fn check(problem: &Problem) -> Result<(), (Vec<String>, Box<Cause>)> 
         let path = ["sensor", &i.to_string(), "R"].map(str::to_owned).to_vec();
         judge(&block, &sensor.columns, (path, format!("sensor[{}].R", i + 1)))?;
     }
-    if model.q.iter().any(|q| q.mentions(|s| s == Symbol::Dt)) {
-        return Ok(());
-    }
-    check_process_noise(problem, f64::NAN).map_err(|cause| (path("Q"), cause))
+    let without_dt = |model: &Model| !model.q.iter().any(|q| q.mentions(|s| s == Symbol::Dt));
+    let known = |(_, model): &(Option<usize>, &Model)| without_dt(model);
+    numbered(problem).filter(known).try_for_each(|model| check_process_noise_of(problem, model, f64::NAN))
 }
 
 /// Q positive semidefinite at the start values for the interval `dt`.
-pub(super) fn check_process_noise(problem: &Problem, dt: f64) -> Result<(), Box<Cause>> {
-    let model = &problem.model;
+pub(super) fn check_process_noise(problem: &Problem, dt: f64) -> Result<(), Wrong> {
+    numbered(problem).try_for_each(|model| check_process_noise_of(problem, model, dt))
+}
+
+fn check_process_noise_of(problem: &Problem, (mode, model): (Option<usize>, &Model), dt: f64) -> Result<(), Wrong> {
     let values = problem.parameters.resolve(&problem.parameters.baseline());
     let matrix = evaluate(&model.q, model.states.len(), &values, dt);
-    match defect(&matrix, &model.states, true) {
-        None => Ok(()),
-        Some(detail) => Err(Cause::NotPositive { key: "model.Q".to_owned(), semi: true, detail }.into()),
+    let Some(detail) = defect(&matrix, &model.states, true) else { return Ok(()) };
+    let (path, key) = place(mode, "Q");
+    Err((path, Cause::NotPositive { key, semi: true, detail }.into()))
+}
+
+/// The path to a key of `[model]` or of a mode, and the name that messages call it by.
+fn place(mode: Option<usize>, key: &str) -> (Vec<String>, String) {
+    match mode {
+        None => (["model", key].map(str::to_owned).to_vec(), format!("model.{key}")),
+        Some(i) => (["mode", &i.to_string(), key].map(str::to_owned).to_vec(), format!("mode[{}].{key}", i + 1)),
     }
+}
+
+/// The models of the filter with the numbers of their modes.
+fn numbered(problem: &Problem) -> impl Iterator<Item = (Option<usize>, &Model)> {
+    let modes = !problem.modes.is_empty();
+    problem.models().enumerate().map(move |(i, model)| (modes.then_some(i), model))
 }
 
 fn evaluate(matrix: &[Expr], n: usize, values: &[f64], dt: f64) -> DMatrix<f64> {

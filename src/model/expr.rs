@@ -175,6 +175,21 @@ impl Expr {
         }
     }
 
+    /// Replaces every symbol.
+    pub(super) fn map_symbols(&mut self, map: &impl Fn(Symbol) -> Symbol) {
+        match &mut self.kind {
+            ExprKind::Number(_) => {}
+            ExprKind::Symbol(symbol) => *symbol = map(*symbol),
+            ExprKind::Negate(a) | ExprKind::Table(_, a) => a.map_symbols(map),
+            ExprKind::Binary(_, a, b) | ExprKind::Logical(_, a, b) => {
+                a.map_symbols(map);
+                b.map_symbols(map);
+            }
+            ExprKind::If(operands) => operands.iter_mut().for_each(|a| a.map_symbols(map)),
+            ExprKind::Call(_, arguments) => arguments.iter_mut().for_each(|a| a.map_symbols(map)),
+        }
+    }
+
     /// Calls `visit` on every symbol, in reading order.
     pub fn symbols(&self, visit: &mut impl FnMut(Symbol)) {
         match &self.kind {

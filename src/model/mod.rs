@@ -30,7 +30,7 @@ pub use expr::{Binary, Expr, ExprKind, Logical, Span, Symbol};
 pub use family::{Adapts, Facts, FilterKind, Range, Robust, Setting};
 pub use library::built_in_models;
 pub use parameter::{Parameter, Parameters, Scale, Search, Value};
-pub use problem::{Angles, First, Model, Pick, Problem, SimulateSpec, Start, TuneSpec};
+pub use problem::{Angles, First, Mode, Model, Pick, Problem, SimulateSpec, Start, TuneSpec};
 
 #[cfg(test)]
 pub(crate) use formula::{FormulaPlace, Names, Scope as FormulaScope, parse};

@@ -20,6 +20,8 @@ pub struct Problem {
     pub parameters: Parameters,
     /// Which filter runs.
     pub filter: FilterKind,
+    /// What it switches between; empty for filters of one model.
+    pub modes: Vec<Mode>,
     /// How its updates withstand outliers, where they do.
     pub robust: Option<Robust>,
     /// What is minimised and how.
@@ -65,6 +67,19 @@ pub struct Model {
     pub p0: Vec<Expr>,
     /// When `x0` and `p0` hold.
     pub first: First,
+}
+
+/// One of the models between which an interacting multiple model filter switches.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mode {
+    /// Its name in reports and columns.
+    pub name: String,
+    /// Its model, over the states of the problem's: those that it lacks are held where they are.
+    pub model: Model,
+    /// The filter that runs on it.
+    pub filter: FilterKind,
+    /// A formula of inputs and parameters: in rows where it is not above 0 the mode is ruled out. `None` for one that never is.
+    pub allowed: Option<Expr>,
 }
 
 /// Which states and measurements are angles in radians: their innovations and errors are wrapped to [-pi, pi).
@@ -195,6 +210,20 @@ pub struct SimulateSpec {
     pub trajectories: usize,
     /// Seed.
     pub seed: u64,
+}
+
+impl Problem {
+    /// The models that a filter works on: those of the modes, or the one.
+    pub fn models(&self) -> impl Iterator<Item = &Model> {
+        let one = self.modes.is_empty().then_some(&self.model);
+        one.into_iter().chain(self.modes.iter().map(|mode| &mode.model))
+    }
+
+    /// The same problem with the model and the filter of one mode alone.
+    #[must_use]
+    pub fn of_mode(&self, mode: &Mode) -> Self {
+        Self { model: mode.model.clone(), filter: mode.filter.clone(), robust: None, modes: vec![], ..self.clone() }
+    }
 }
 
 impl Model {

@@ -1,6 +1,6 @@
 //! Rows at one time: the step between them must change nothing, so that neither their order nor their number matters.
 
-use super::{Expr, Model, Parameters, Problem, Start, Symbol};
+use super::{Expr, FilterKind, Model, Parameters, Problem, Start, Symbol};
 use crate::data::{Log, Trajectory};
 
 /// How far a state may move in no time, as a share of itself or of 1: rounding.
@@ -22,7 +22,27 @@ pub(super) fn check(problem: &Problem, log: &Log) -> Result<(), (Vec<String>, St
         );
         return Err((path(&["filter", "kind"]), what));
     }
-    let (model, built_in) = (&problem.model, problem.model.kind.is_some());
+    if let FilterKind::Imm(imm) = &problem.filter
+        && imm.transition.iter().all(|p| !p.mentions(|symbol| symbol == Symbol::Dt))
+    {
+        let what = format!(
+            "the chain between the modes goes on in every row, also between {rows}: give mean times in `sojourn`, or merge \
+             the rows of one time"
+        );
+        return Err((path(&["filter"]), what));
+    }
+    problem.models().try_for_each(|model| check_model(problem, model, (trajectory, k), &rows))
+}
+
+/// The same of one model.
+fn check_model(
+    problem: &Problem,
+    model: &Model,
+    (trajectory, k): (&Trajectory, usize),
+    rows: &str,
+) -> Result<(), (Vec<String>, String)> {
+    let path = |keys: &[&str]| keys.iter().map(|key| (*key).to_owned()).collect();
+    let built_in = model.kind.is_some();
     if let Some(i) = moved(model, &problem.parameters, trajectory.u.row(k)) {
         let what = format!(
             "f of `{}` is not `{0}` at dt = 0, as between {rows}: write dt into it, or merge the rows of one time",

@@ -43,6 +43,9 @@ pub enum Cause {
         "the measurement noise covariance R is not positive definite, which smoothing needs (give every measurement some noise)"
     )]
     SingularNoise,
+    /// Several models are smoothed by no recursion that is built.
+    #[error("the imm filter has no smoother (leave smoothing out)")]
+    NoSmoother,
     /// `first = "predict"` has no interval to use.
     #[error("first = \"predict\" has no interval, because the log's intervals differ (give first_dt)")]
     NoFirstInterval,

@@ -3,6 +3,7 @@
 use super::Cause;
 use super::adapt::{Fuzzy, SageHusa, SageHusaR};
 use super::filter::Filter;
+use super::imm::Imm;
 use super::kalman::Kalman;
 use super::matrices::Formulas;
 use super::robust::Withstanding;
@@ -29,11 +30,18 @@ pub(super) fn of(problem: &Problem, log: &Log, parameters: Vec<f64>) -> Result<B
 }
 
 /// The same with updates that count in full.
-fn plain(Problem { filter, model, .. }: &Problem, parameters: Vec<f64>) -> Result<Box<dyn Filter>, Cause> {
+fn plain(problem: &Problem, parameters: Vec<f64>) -> Result<Box<dyn Filter>, Cause> {
+    let Problem { filter, model, .. } = problem;
     let values = settings(&filter.settings(), &parameters)?;
+    if let FilterKind::Imm(imm) = filter {
+        let modes = problem.modes.iter().map(|mode| plain(&problem.of_mode(mode), parameters.clone()));
+        return Ok(Box::new(Imm::new(problem, imm, modes.collect::<Result<_, _>>()?, parameters)));
+    }
     let formulas = Formulas::new(model, parameters);
     let m = formulas.m;
     Ok(match filter {
+        // It has returned above.
+        FilterKind::Imm(_) => Box::new(Kalman::new(formulas, None)),
         FilterKind::Kalman(_) => Box::new(Kalman::new(formulas, None)),
         FilterKind::SageHusa(_) => Box::new(Kalman::new(formulas, Some(Box::new(SageHusa::new(&values))))),
         FilterKind::SageHusaR(_) => Box::new(Kalman::new(formulas, Some(Box::new(SageHusaR::new(&values, m))))),

@@ -45,6 +45,8 @@ pub(super) struct State<'a> {
     pub(super) taken: Option<Taken<'a>>,
     /// The latest update as a plain one, where it was robust.
     pub(super) reweighed: Option<&'a Reweighed>,
+    /// The probabilities of its modes after the latest row; empty for a filter of one model.
+    pub(super) modes: &'a [f64],
 }
 
 /// H, nu and R with which a plain update has the gain of a robust one; p components.

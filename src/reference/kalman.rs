@@ -219,6 +219,7 @@ impl Filter for Kalman {
             update: &observation.update,
             noise: Noise { q: self.adapted_q(), r: &observation.r_whole },
             taken: self.linearisations.map(|_| taken),
+            modes: &[],
             reweighed: None,
         }
     }

@@ -183,6 +183,7 @@ impl Filter for SigmaPoints {
             update,
             noise: Noise { q: None, r },
             taken: Some(Taken { f, q, h, r: r_and_excess, nu: &update.nu }),
+            modes: &[],
             reweighed: None,
         }
     }

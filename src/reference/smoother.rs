@@ -59,6 +59,9 @@ pub struct Smoothed {
 /// # Panics
 /// If `candidate` does not have one value per searched parameter.
 pub fn smooth(problem: &Problem, log: &Log, candidate: &[f64]) -> Result<Vec<Vec<Smoothed>>, Failure> {
+    if !problem.modes.is_empty() {
+        return Err(Failure::at(log, 0, 0, Cause::NoSmoother));
+    }
     let adapts = problem.filter.facts().adapts != Adapts::Nothing;
     let mut passes: Vec<Vec<Pass>> = log.trajectories.iter().map(|_| Vec::new()).collect();
     walk(problem, log, candidate, &mut |moment| {

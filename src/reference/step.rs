@@ -33,6 +33,8 @@ pub struct Step {
     pub posterior: Estimate,
     /// e' P^-1 e of the posterior where truth of all states is there; NaN when P is not positive definite.
     pub nees: Option<f64>,
+    /// The probabilities of the modes after the measurement; empty for a filter of one model.
+    pub modes: Vec<f64>,
 }
 
 /// A row as the walk passes it.
@@ -55,6 +57,7 @@ impl Moment<'_> {
             update: self.update.cloned(),
             posterior: self.state.posterior.clone(),
             nees: truth.nees(trajectory, self),
+            modes: self.state.modes.to_vec(),
         }
     }
 }

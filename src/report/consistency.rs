@@ -14,6 +14,7 @@ mod evidence;
 mod family;
 mod findings;
 mod mean;
+mod modes;
 mod over_time;
 mod place;
 mod portmanteau;
@@ -36,6 +37,7 @@ pub use distribution::NisDistribution;
 pub use dominating::DominatingRow;
 pub use evidence::Evidence;
 pub use family::{JOINT_LEVEL, Test, TestKind};
+pub use modes::ModeUse;
 pub use over_time::{NisOverTime, NisSpan};
 pub use place::Place;
 pub use rejected::Rejected;
@@ -81,6 +83,9 @@ pub struct Consistency {
     pub whiteness: Vec<Whiteness>,
     /// NEES, where truth of all states is there.
     pub nees: Option<Nees>,
+    /// How much the filter made of each of its models; empty for a filter of one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub modes: Vec<ModeUse>,
     /// What robust updates left out. All that stands above but NEES is of the other rows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rejected: Option<Rejected>,
@@ -134,8 +139,9 @@ impl Consistency {
         let rejected = self.rejected.map(|rejected| rejected.to_string());
         let white = self.whiteness.iter().map(|w| ("white", Some(w.to_string())));
         let sensors = self.sensors.iter().map(|sensor| ("sensor", Some(sensor.to_string())));
+        let modes = modes::sentences(&self.modes).map(|(label, sentence)| (label, Some(sentence)));
         let facts = [("NIS", Some(nis))].into_iter().chain(sensors);
-        let facts = facts.chain([("NEES", nees), ("tails", tails), ("rejected", rejected)]).chain(white);
+        let facts = facts.chain([("NEES", nees), ("tails", tails), ("rejected", rejected)]).chain(white).chain(modes);
         facts.filter_map(|(label, fact)| Some((label.to_owned(), fact?))).collect()
     }
 }

@@ -24,8 +24,8 @@ pub use crate::number::{count, exact, seconds, short, significant};
 pub use bound::Bound;
 pub use compare::{CompareError, Comparison, Run, RunBaseline, RunConsistency, RunError, RunHeldOut, RunValidation};
 pub use consistency::{
-    Consistency, DominatingRow, Evidence, Finding, FlatDirection, JOINT_LEVEL, Nees, NisDistribution, NisOverTime,
-    NisSpan, Place, Rejected, SensorNis, Test, TestKind, Uncertainty, Verdict, Whiteness,
+    Consistency, DominatingRow, Evidence, Finding, FlatDirection, JOINT_LEVEL, ModeUse, Nees, NisDistribution,
+    NisOverTime, NisSpan, Place, Rejected, SensorNis, Test, TestKind, Uncertainty, Verdict, Whiteness,
 };
 pub use constraint::{ConstraintCheck, constraint_checks, unmet};
 pub use difference::{Difference, HeldOutDifference, Standing, StartOf};

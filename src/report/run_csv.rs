@@ -26,7 +26,9 @@ pub struct Columns {
 }
 
 /// Writes trajectory (where the log has them), time as the log writes it, posterior states, covariance `P_a_b`, prior innovations
-/// `nu_z`, their variances `S_z`, and `nis`; of robust filters `rejected`, one less the weight of the row; then smoothed states `x_smoothed` and covariance `P_a_b_smoothed`. A cell is
+/// `nu_z`, their variances `S_z`, and `nis`; of a filter of several models the probability `p_mode` of each after the row; of
+/// robust filters `rejected`, one less the weight of the row; then smoothed states `x_smoothed` and covariance
+/// `P_a_b_smoothed`. A cell is
 /// empty where nothing was measured; numbers read back bit for bit.
 #[derive(Debug)]
 pub struct RunTable<'a, W: Write> {
@@ -101,6 +103,7 @@ fn header(problem: &Problem, named: bool, entries: &[(usize, usize)], smoothed: 
     header.extend(problem.model.measurements.iter().map(|z| format!("nu_{z}")));
     header.extend(problem.model.measurements.iter().map(|z| format!("S_{z}")));
     header.push("nis".to_owned());
+    header.extend(problem.modes.iter().map(|mode| format!("p_{}", mode.name)));
     header.extend(problem.robust.as_ref().map(|_| "rejected".to_owned()));
     if smoothed {
         header.extend(states.iter().map(|x| format!("{x}_smoothed")));
@@ -132,5 +135,6 @@ fn row(trajectory: &Trajectory, (named, time): (bool, &str), step: &Step, entrie
     cells.extend(innovations);
     cells.extend(variances);
     cells.push(step.update.as_ref().map_or_else(String::new, |update| exact(update.nis)));
+    cells.extend(step.modes.iter().map(|probability| exact(*probability)));
     cells
 }

@@ -10,6 +10,7 @@ mod diffuse;
 mod examples;
 mod gap;
 mod held_out;
+mod imm;
 mod joint;
 mod joint_density;
 mod linear_kinds;

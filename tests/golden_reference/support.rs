@@ -50,6 +50,7 @@ impl Linear {
         let (states, measurements) = (names('x', m_n.1), names('z', m_n.0));
         let inputs = names('u', self.b.ncols());
         Problem {
+            modes: vec![],
             source: "<test>".into(),
             text: String::new(),
             data: DataSpec::default(),

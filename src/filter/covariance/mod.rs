@@ -204,6 +204,16 @@ impl Covariance {
         }
     }
 
+    /// H P H' + R.
+    pub(in crate::filter) fn seen_through(&self, g: &mut Graph, H: &[Vec<Id>], R: &Symmetric) -> Symmetric {
+        let P = self.matrix(g);
+        let PH: Vec<Vec<Id>> = H.iter().map(|row| P.times(g, row)).collect();
+        Symmetric::from_fn(H.len(), |i, j| {
+            let seen = g.dot(H[i].iter().copied().zip(PH[j].iter().copied()));
+            g.add(seen, R.at(i, j))
+        })
+    }
+
     /// The update by one scalar measurement.
     pub(in crate::filter) fn update(&mut self, g: &mut Graph, scalar: &Scalar<'_>) -> Gain {
         match self {

@@ -11,7 +11,7 @@ mod update;
 use super::carried::narrow;
 use super::covariance::{Covariance, Symmetric};
 use super::error::TraceError;
-use super::evidence::{Evidence, Factor, Likelihood};
+use super::evidence::{self, Evidence, Factor, Likelihood};
 use super::family::{Family, Predicted};
 use super::form::{Carrying, Form};
 use super::nodes::ModelNodes;
@@ -245,6 +245,7 @@ impl<M: MomentRule, A: Adaptation> Family for Gaussian<M, A> {
             covariance: P,
             alone,
             positive,
+            seen: evidence::Seen { H: measurement.H, R: measurement.R },
         };
         Ok((evidence, posterior))
     }

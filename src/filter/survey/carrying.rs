@@ -41,6 +41,10 @@ pub(in crate::filter) fn choose(
 /// Filters of any f and h: single precision carries factors (P lost up to two digits more in the median over ten problems), from
 /// the end at which their points are drawn; double precision carries P.
 fn curved(problem: &Problem, precision: Precision, form: Option<Form>) -> Carrying {
+    if !problem.modes.is_empty() {
+        // Gaussians that are mixed are added up.
+        return Carrying { form: Form::Full, anchored: false, affine: true };
+    }
     let factors = if problem.filter.facts().ordered { Form::Lower } else { Form::Factored };
     let chosen = if precision == Precision::F32 { factors } else { Form::Full };
     Carrying { form: form.unwrap_or(chosen), anchored: false, affine: true }

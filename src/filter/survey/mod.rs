@@ -22,6 +22,8 @@ use crate::model::{Parameters, Problem, Search};
 pub(in crate::filter) struct Survey<'a> {
     pub(in crate::filter) t: Tracer<'a>,
     pub(in crate::filter) corners: [ModelNodes; 3],
+    /// The same of each model that a filter of several switches between.
+    pub(in crate::filter) modes: Vec<[ModelNodes; 3]>,
 }
 
 impl<'a> Survey<'a> {
@@ -35,9 +37,13 @@ impl<'a> Survey<'a> {
     ) -> Result<Self, TraceError> {
         let mut t = Tracer::new(problem, rows, columns, units, None);
         let [lowest, baseline, highest] = corners(&problem.parameters);
-        let mut model = |candidate: &[f64]| ModelNodes::new(&mut t, Some(candidate));
-        let corners = [model(&lowest)?, model(&baseline)?, model(&highest)?];
-        Ok(Self { t, corners })
+        let model = |t: &mut Tracer<'_>, candidate: &[f64]| ModelNodes::new(t, Some(candidate));
+        let all = |t: &mut Tracer<'_>| -> Result<[ModelNodes; 3], TraceError> {
+            Ok([model(t, &lowest)?, model(t, &baseline)?, model(t, &highest)?])
+        };
+        let corners = all(&mut t)?;
+        let modes = problem.modes.iter().map(|mode| t.on(&problem.of_mode(mode), all)).collect::<Result<_, _>>()?;
+        Ok(Self { t, corners, modes })
     }
 
     /// The model of the baseline.

@@ -82,10 +82,15 @@ type Sizes = Vec<Option<Range>>;
 /// Variances that states and innovations have, as far as P0, Q, R and H tell; `None` where they are 0 throughout. Bounds of
 /// a search may be absurd, so other candidates count only up to `window` beyond the start values.
 fn sizes(survey: &Survey<'_>, window: f64) -> (Sizes, Sizes) {
-    let [lowest, baseline, highest] = &survey.corners;
-    let (mut states, mut measurements) = sizes_of(&survey.t, baseline);
+    let all = || std::iter::once(&survey.corners).chain(&survey.modes);
+    let (mut states, mut measurements) = sizes_of(&survey.t, survey.baseline());
+    for [_, baseline, _] in &survey.modes {
+        let (x, z) = sizes_of(&survey.t, baseline);
+        states.iter_mut().zip(x).for_each(|(range, found)| *range = range.hull(found));
+        measurements.iter_mut().zip(z).for_each(|(range, found)| *range = range.hull(found));
+    }
     let start = (states.clone(), measurements.clone());
-    for candidate in [lowest, highest] {
+    for candidate in all().flat_map(|[lowest, _, highest]| [lowest, highest]) {
         let (x, z) = sizes_of(&survey.t, candidate);
         let widen = |(range, (start, found)): (&mut Range, (&Range, Range))| {
             let beyond = if start.is_something() { window } else { f64::INFINITY };

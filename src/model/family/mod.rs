@@ -6,6 +6,7 @@
 mod cubature;
 mod extended;
 mod fuzzy;
+mod imm;
 mod iterated;
 mod kalman;
 mod robust;
@@ -17,6 +18,7 @@ mod unscented;
 pub use cubature::Cubature;
 pub use extended::Extended;
 pub use fuzzy::Fuzzy;
+pub use imm::Imm;
 pub use iterated::Iterated;
 pub use kalman::Kalman;
 pub use robust::{Outliers, Robust};
@@ -60,6 +62,12 @@ pub(super) trait Settings {
     fn formula_of_each(&self, key: &'static str) -> Result<Option<Vec<Expr>>, Fault>;
     /// A whole number from `least` to `largest`.
     fn count(&self, key: &'static str, default: usize, least: u32, largest: u32) -> Result<usize, Fault>;
+    /// Number of modes; 0 for a filter of one model.
+    fn modes(&self) -> usize;
+    /// Formulas of parameters by rows, where the key is there: one by itself is a row of one, a list is one row.
+    fn rows(&self, key: &'static str) -> Result<Option<Vec<Vec<Expr>>>, Fault>;
+    /// That what stands under a key cannot be used; of the table where the key is not there.
+    fn refuse(&self, key: &'static str, problem: String) -> Fault;
 }
 
 /// What the file of a family says.
@@ -88,7 +96,7 @@ pub(super) trait Described: Sized {
 
 macro_rules! families {
     ($($(#[$doc:meta])* $family:ident,)*) => {
-        /// Filter kinds. All of them carry one gaussian. The first are linear Kalman filters (affine f and h), of which the
+        /// Filter kinds. All but the last carry one gaussian. The first are linear Kalman filters (affine f and h), of which the
         /// adaptive ones change Q or R on the way, from what the innovations of the log say, and start every trajectory anew
         /// from the model's. The others take any f and h, and differ in how a gaussian goes through them.
         ///
@@ -110,9 +118,10 @@ macro_rules! families {
                 }
             }
 
-            /// The names of those that take any f and h.
+            /// The names of those that take any f and h of one model.
             pub(super) fn nonlinear() -> impl Iterator<Item = &'static str> {
-                [$(($family::NAME, $family::LINEAR)),*].into_iter().filter(|(_, linear)| !linear).map(|(name, _)| name)
+                let all = [$(($family::NAME, $family::LINEAR)),*].into_iter();
+                all.filter(|(name, linear)| !linear && *name != Imm::NAME).map(|(name, _)| name)
             }
 
             /// Whether f and h have to be affine in the states.
@@ -183,6 +192,8 @@ families! {
     Unscented,
     /// The same, by the cubature rule of degree three.
     Cubature,
+    /// Several of them side by side, each with a model of its own, weighed by what is measured.
+    Imm,
 }
 
 impl Default for FilterKind {

@@ -10,6 +10,10 @@ pub enum Range {
     Share,
     /// From 0 to below 1.
     BelowOne,
+    /// From 0 to 1.
+    Probability,
+    /// 1, up to the rounding of what is typed: see [`Self::ROUNDING`].
+    One,
     /// Above 0, below 1.
     Inside,
     /// Above 2.
@@ -56,12 +60,17 @@ impl<'a> Setting<'a> {
 }
 
 impl Range {
+    /// How far a sum of probabilities may be from 1.
+    pub const ROUNDING: f64 = 1e-9;
+
     /// Whether `value` is allowed; NaN is not.
     #[must_use]
     pub fn contains(self, value: f64) -> bool {
         match self {
             Self::Share => value > 0.0 && value <= 1.0,
             Self::BelowOne => (0.0..1.0).contains(&value),
+            Self::Probability => (0.0..=1.0).contains(&value),
+            Self::One => (value - 1.0).abs() <= Self::ROUNDING,
             Self::Inside => value > 0.0 && value < 1.0,
             Self::AboveTwo => value > 2.0 && value.is_finite(),
             Self::Positive => value > 0.0 && value.is_finite(),
@@ -76,6 +85,8 @@ impl fmt::Display for Range {
         f.write_str(match self {
             Self::Share => "a number above 0, up to 1",
             Self::BelowOne => "a number from 0 to below 1",
+            Self::Probability => "a number from 0 to 1",
+            Self::One => "1",
             Self::Inside => "a number above 0, below 1",
             Self::AboveTwo => "a number above 2",
             Self::Positive => "a number above 0",

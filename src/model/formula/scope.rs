@@ -56,6 +56,8 @@ pub(crate) enum Place {
     ProcessNoise,
     /// Parameters.
     Constant,
+    /// Inputs and parameters.
+    Condition,
     /// Everything: where it is used decides.
     Let,
 }
@@ -72,7 +74,8 @@ impl Place {
     const fn allows(self, symbol: Symbol) -> bool {
         match symbol {
             Symbol::Parameter(_) => true,
-            Symbol::State(_) | Symbol::Input(_) => matches!(self, Self::Transition | Self::Measurement | Self::Let),
+            Symbol::State(_) => matches!(self, Self::Transition | Self::Measurement | Self::Let),
+            Symbol::Input(_) => matches!(self, Self::Transition | Self::Measurement | Self::Condition | Self::Let),
             Symbol::Dt => matches!(self, Self::Transition | Self::ProcessNoise | Self::Let),
         }
     }
@@ -83,6 +86,7 @@ impl Place {
             Self::Measurement => "states, inputs and parameters",
             Self::ProcessNoise => "parameters and dt",
             Self::Constant => "parameters",
+            Self::Condition => "inputs and parameters",
             Self::Let => "states, inputs, parameters, dt and the names above it",
         }
     }

@@ -14,6 +14,7 @@ pub(super) fn read(
     model: &Model,
     parameters: &Parameters,
     names: &Names,
+    modes: usize,
 ) -> Result<(FilterKind, Option<Robust>), Fault> {
     let Some(node) = document.get("filter") else {
         return Ok((checked(document, model, FilterKind::default())?, None));
@@ -24,19 +25,24 @@ pub(super) fn read(
     let robust = named.optional("robust", |node| find(node, "the robust update", &Robust::NAMES))?;
     let own = robust.map_or_else(Vec::new, Robust::keys);
     let fields = node.table("a table", &[&["kind", "robust"], FilterKind::keys(kind), &own].concat())?;
-    let keys = Keys { fields: &fields, names, states: model.states.len(), measurements: model.measurements.len() };
+    let (states, measurements) = (model.states.len(), model.measurements.len());
+    let keys = Keys { fields: &fields, names, states, measurements, modes };
     let filter = FilterKind::read(kind, &keys)?;
     let robust = robust.map(|name| Robust::read(name, &keys)).transpose()?;
     check_settings(&fields, &filter.settings(), parameters)?;
     check_settings(&fields, &robust.as_ref().map_or_else(Vec::new, Robust::settings), parameters)?;
     check_noise(&fields, &filter, model)?;
-    check_robust(&fields, &filter)?;
+    check_robust(&fields, &filter, modes)?;
     Ok((checked(document, model, filter)?, robust))
 }
 
 /// Robust updates are those of filters that adapt nothing.
-fn check_robust(fields: &Fields<'_>, filter: &FilterKind) -> Result<(), Fault> {
+fn check_robust(fields: &Fields<'_>, filter: &FilterKind, modes: usize) -> Result<(), Fault> {
     match fields.get("robust") {
+        Some(robust) if modes > 0 => Err(robust.invalid(
+            "with several models outliers are one more of them: add a mode with a large R in place of `robust`, or \
+             remove `robust`",
+        )),
         Some(robust) if filter.facts().adapts != Adapts::Nothing => Err(robust.invalid(format!(
             "the {} filter adapts its noise to what a robust update takes for outliers: set `kind` to a filter that adapts \
              nothing, or remove `robust`",
@@ -77,11 +83,13 @@ fn check_linear(node: &Node<'_>, keys: Vec<String>, formulas: &[Expr], filter: &
 }
 
 /// What stands under the keys of the table.
-struct Keys<'a> {
-    fields: &'a Fields<'a>,
-    names: &'a Names,
-    states: usize,
-    measurements: usize,
+pub(super) struct Keys<'a> {
+    pub(super) fields: &'a Fields<'a>,
+    pub(super) names: &'a Names,
+    pub(super) states: usize,
+    pub(super) measurements: usize,
+    /// Number of models of the filter; 0 for one that has no modes.
+    pub(super) modes: usize,
 }
 
 impl Keys<'_> {
@@ -116,6 +124,30 @@ impl Settings for Keys<'_> {
     fn count(&self, key: &'static str, default: usize, least: u32, largest: u32) -> Result<usize, Fault> {
         Ok(self.fields.optional(key, |node| node.count(least, largest))?.unwrap_or(default))
     }
+
+    fn modes(&self) -> usize {
+        self.modes
+    }
+
+    fn rows(&self, key: &'static str) -> Result<Option<Vec<Vec<Expr>>>, Fault> {
+        let scope = Scope { names: self.names, place: FormulaPlace::Constant, key: "" };
+        let row = |node: &Node<'_>| match node.value.is_array() {
+            true => node.list("a list of numbers or formulas")?.iter().map(|entry| entry.formula(scope)).collect(),
+            false => Ok(vec![node.formula(scope)?]),
+        };
+        let rows = |node: &Node<'_>| {
+            let lists = node.value.as_array().is_some_and(|rows| rows.iter().any(|row| row.get_ref().is_array()));
+            if lists { node.list("a list of rows")?.iter().map(row).collect() } else { Ok(vec![row(node)?]) }
+        };
+        self.fields.optional(key, rows)
+    }
+
+    fn refuse(&self, key: &'static str, problem: String) -> Fault {
+        match self.fields.get(key) {
+            Some(node) => node.invalid(problem),
+            None => Fault::invalid(self.fields.span, "filter", problem),
+        }
+    }
 }
 
 /// One of some names.
@@ -129,7 +161,11 @@ fn find(node: &Node<'_>, what: &'static str, names: &[&'static str]) -> Result<&
 }
 
 /// Settings are in their ranges at the start values.
-fn check_settings(fields: &Fields<'_>, settings: &[Setting<'_>], parameters: &Parameters) -> Result<(), Fault> {
+pub(super) fn check_settings(
+    fields: &Fields<'_>,
+    settings: &[Setting<'_>],
+    parameters: &Parameters,
+) -> Result<(), Fault> {
     let values = parameters.resolve(&parameters.baseline());
     for setting in settings {
         let value = setting.value(&values);

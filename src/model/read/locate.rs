@@ -1,22 +1,22 @@
 //! Where a key's value stands, for errors that are found after reading.
 
-use toml::de::{DeArray, DeTable, DeValue};
+use toml::de::{DeTable, DeValue};
 
 use crate::model::Span;
 
-/// The value at `path`, or of the longest part of it that exists; entries of lists are counted from 0.
-pub(crate) fn locate(text: &str, path: &[&str]) -> Span {
+/// The value at `path`, whose parts are keys of tables and indices of lists, or of the longest part of it that exists.
+pub(crate) fn locate(text: &str, path: &[impl AsRef<str>]) -> Span {
     let mut span = Span::default();
     let Ok(document) = DeTable::parse(text) else { return span };
-    let mut rest = path.iter();
-    let mut found = rest.next().and_then(|key| document.get_ref().get(*key));
-    while let Some(value) = found {
+    let Some((first, rest)) = path.split_first() else { return span };
+    let mut next = document.get_ref().get(first.as_ref());
+    let mut rest = rest.iter();
+    while let Some(value) = next {
         span = Span { start: value.span().start, end: value.span().end };
         let Some(key) = rest.next() else { break };
-        let entry = |list: &'_ DeArray<'_>| key.parse().ok().filter(|i: &usize| *i < list.len());
-        found = match value.get_ref() {
-            DeValue::Table(table) => table.get(*key),
-            DeValue::Array(list) => entry(list).and_then(|i| list.get(i)),
+        next = match value.get_ref() {
+            DeValue::Table(table) => table.get(key.as_ref()),
+            DeValue::Array(array) => key.as_ref().parse().ok().and_then(|i: usize| array.get(i)),
             _ => None,
         };
     }

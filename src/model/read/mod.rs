@@ -8,6 +8,7 @@ mod format;
 mod lets;
 mod locate;
 mod model;
+mod modes;
 mod names;
 mod node;
 mod objectives;
@@ -32,7 +33,7 @@ pub(super) use locate::locate;
 
 /// Bytes of a problem file.
 const MAX_BYTES: u64 = 4 * 1024 * 1024;
-const TABLES: [&str; 7] = ["data", "sensor", "model", "parameters", "filter", "tune", "simulate"];
+const TABLES: [&str; 8] = ["data", "sensor", "model", "parameters", "filter", "mode", "tune", "simulate"];
 
 impl Problem {
     /// Reads a problem file.
@@ -100,24 +101,27 @@ fn read(text: &str, source: &str) -> Result<Problem, Fault> {
         Fault::new(span, Cause::Toml { message })
     })?;
     let document = Fields::document(table.get_ref(), text, &TABLES)?;
-    let mut data = data::read(&document)?;
-    let draft = model::draft(&document, &data)?;
+    let data = data::read(&document)?;
+    let tables = modes::tables(&document)?;
+    let draft = model::draft(&document, modes::common(&document, &tables)?, &data, None)?;
     data::check_truth(&document, draft.states())?;
+    let modes = modes::drafts(&document, &draft, tables, &data)?;
     let declared = document.optional("parameters", |n| n.table("a table", &[]))?;
-    let parameters = parameters::read(declared.as_ref(), &draft.factors)?;
+    let mut factors = draft.factors.clone();
+    modes.iter().flat_map(|mode| &mode.draft.factors).try_for_each(|f| model::add_factor(&mut factors, f.clone()))?;
+    let parameters = parameters::read(declared.as_ref(), &factors)?;
     let folder = Path::new(source).parent().unwrap_or_else(|| Path::new(""));
     let names = draft.names(&document, &data, &parameters, folder)?;
     let model = draft.finish(&document, &names, &data, &parameters)?;
-    data.readers = observation::readers(&data, &model);
+    let modes = modes::read(&modes, &document, (&model, &data), (&parameters, folder))?;
     let simulate = simulate::read(&document, &model, &parameters, &names, &data)?;
     let tune = tune::tune(&document, &data, &model.states)?;
-    let (filter, robust) = filter::read(&document, &model, &parameters, &names)?;
+    let (filter, robust) = filter::read(&document, &model, &parameters, &names, modes.len())?;
     tune::check_robust(&document, &tune, robust.as_ref())?;
-    let (source_name, whole) = (source.to_owned(), text.to_owned());
-    let problem = Problem { source: source_name, text: whole, data, model, parameters, filter, robust, tune, simulate };
-    definite::check(&problem).map_err(|(path, cause)| {
-        let path: Vec<&str> = path.iter().map(String::as_str).collect();
-        Fault::new(locate(text, &path), cause)
-    })?;
+    let (source, text) = (source.to_owned(), text.to_owned());
+    let mut problem = Problem { source, text, data, model, parameters, filter, robust, modes, tune, simulate };
+    problem.data.readers = observation::readers(&problem);
+    modes::check_objectives(&document, &problem)?;
+    definite::check(&problem).map_err(|(path, cause)| Fault::new(locate(&problem.text, &path), cause))?;
     Ok(problem)
 }

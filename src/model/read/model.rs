@@ -7,7 +7,7 @@ use super::data;
 use super::lets;
 use super::names::{check_name, limit};
 use super::node::{Fields, Node};
-use super::observation;
+use super::observation::{self, Observation};
 use super::parameters::Factor;
 use crate::data::DataSpec;
 use crate::model::error::{Cause, Fault, nearest};
@@ -21,40 +21,73 @@ const COMMON: [&str; 7] = ["R", "x0", "P0", "first", "first_dt", "angle", "let"]
 const FORMULAS: [&str; 4] = ["state", "f", "h", "Q"];
 const BUILT_IN: [&str; 3] = ["kind", "axes", "noise"];
 
+/// Whether a mode may have the key in the place of the model's.
+pub(super) fn is_key(key: &str) -> bool {
+    key == "R" || is_formula_key(key) || is_built_in_key(key)
+}
+
+/// Whether it is a key of models that are typed.
+pub(super) fn is_formula_key(key: &str) -> bool {
+    FORMULAS.contains(&key)
+}
+
+/// Whether it is a key of built-in models.
+pub(super) fn is_built_in_key(key: &str) -> bool {
+    BUILT_IN.contains(&key) || library::ALL.iter().any(|model| model.strengths.contains(&key))
+}
+
 /// The `[model]` table with its states known, before any formula is read.
 pub(super) struct Draft<'a> {
-    fields: Fields<'a>,
+    pub(super) fields: Fields<'a>,
     built_in: Option<(&'static BuiltIn, Vec<String>)>,
     states: Vec<String>,
     /// Factors of Q, R and P0.
     pub(super) factors: Vec<Factor>,
 }
 
-/// Reads state names and factors.
-pub(super) fn draft<'a>(document: &Fields<'a>, data: &DataSpec) -> Result<Draft<'a>, Fault> {
-    let node = document.need("model", "a table with formulas or `kind`")?;
-    let all = node.table("a table", &[])?;
-    let built_in = all.optional("kind", find_built_in)?;
+/// The table itself, before its keys are checked.
+pub(super) fn table<'a>(document: &Fields<'a>) -> Result<Fields<'a>, Fault> {
+    document.need("model", "a table with formulas or `kind`")?.table("a table", &[])
+}
+
+/// The keys that a model may have: those of the built-in model that it is, or of formulas.
+pub(super) fn keys(fields: &Fields<'_>) -> Result<Vec<&'static str>, Fault> {
+    let built_in = fields.optional("kind", find_built_in)?;
     let strengths = built_in.map_or(&[][..], |b| b.strengths);
-    observation::refuse_in_model(document, &all)?;
     let own = if built_in.is_some() { &BUILT_IN[..] } else { &FORMULAS[..] };
     let mut known: Vec<&str> = own.iter().chain(strengths).chain(&COMMON).copied().collect();
     if built_in.is_none() {
         known.push("kind");
     }
-    let fields = node.table("a table", &known)?;
-    let (states, built_in) = match built_in {
-        Some(model) => {
+    Ok(known)
+}
+
+/// Reads state names and factors; `common` are the states of a model that has none of its own.
+pub(super) fn draft<'a>(
+    document: &Fields<'a>,
+    fields: Fields<'a>,
+    data: &DataSpec,
+    common: Option<&[String]>,
+) -> Result<Draft<'a>, Fault> {
+    observation::refuse_in_model(document, &fields)?;
+    fields.check(&keys(&fields)?)?;
+    let built_in = fields.optional("kind", find_built_in)?;
+    let (states, built_in) = match (built_in, common) {
+        (Some(model), _) => {
             let axes = read_axes(&fields, data)?;
             (model.states(&axes), Some((model, axes)))
         }
-        None => (
+        (None, Some(common)) if fields.get("state").is_none() => (common.to_vec(), None),
+        (None, _) => (
             fields.need("state", "a list of state names, or `kind` of a built-in model")?.names("a list of names")?,
             None,
         ),
     };
-    let at =
-        fields.get("state").or_else(|| fields.get("axes")).or_else(|| fields.get("kind")).map_or(node.span, |n| n.span);
+    let at = fields
+        .get("state")
+        .or_else(|| fields.get("axes"))
+        .or_else(|| fields.get("kind"))
+        .map_or(fields.span, |n| n.span);
     limit(at, states.len(), "states", MAX_STATES)?;
     for (i, state) in states.iter().enumerate() {
         check_name(state, entry_span(&fields, i).unwrap_or(at))?;
@@ -68,12 +101,21 @@ pub(super) fn draft<'a>(document: &Fields<'a>, data: &DataSpec) -> Result<Draft<
         found.extend(fields.optional(key, |n| covariance::factor(n, key, size))?.flatten());
     }
     for factor in found.into_iter().chain(observation::factors(document, data)?) {
-        if factors.iter().any(|f| f.name == factor.name) {
-            return Err(Fault::invalid(factor.span, &factor.name, "two matrices cannot share one factor"));
-        }
-        factors.push(factor);
+        add_factor(&mut factors, factor)?;
     }
     Ok(Draft { fields, built_in, states, factors })
+}
+
+/// A matrix has a factor of its own; one that several models have in common is one matrix.
+pub(super) fn add_factor(factors: &mut Vec<Factor>, factor: Factor) -> Result<(), Fault> {
+    if factors.contains(&factor) {
+        return Ok(());
+    }
+    if factors.iter().any(|f| f.name == factor.name) {
+        return Err(Fault::invalid(factor.span, &factor.name, "two matrices cannot share one factor"));
+    }
+    factors.push(factor);
+    Ok(())
 }
 
 /// Where state `i` is typed, for formula models.
@@ -167,22 +209,14 @@ impl Draft<'_> {
         parameters: &Parameters,
     ) -> Result<Model, Fault> {
         let fields = &self.fields;
-        let Motion { f, h, q } = match &self.built_in {
-            Some((model, axes)) => self.expand(model, axes, names)?,
-            None => self.formulas(names)?,
-        };
+        let Motion { f, h, q } = self.motion(names)?;
         let angles = self.read_angles(data)?;
         let states = Axes { labels: &self.states, what: "state", may_be_zero: false };
-        let observation = if data.sensors.is_empty() {
-            let built_in = self.built_in.as_ref().map(|_| h);
-            observation::of_model(fields, (built_in, &angles), names, data)?
-        } else {
-            observation::of_sensors(document, names, data)?
-        };
+        let observation = self.observation(document, (h, &angles), names, data)?;
         let p0 = fields.need("P0", "the initial covariance")?;
         let x0 = self.read_x0(names)?;
         let model = Model {
-            kind: self.built_in.as_ref().map(|(model, _)| model.name),
+            kind: self.kind(),
             states: self.states.clone(),
             measurements: data.measurements.clone(),
             inputs: data.inputs.clone(),
@@ -200,6 +234,35 @@ impl Draft<'_> {
         };
         self.check_start(&model, parameters)?;
         Ok(model)
+    }
+
+    /// The built-in model that it is.
+    pub(super) fn kind(&self) -> Option<&'static str> {
+        self.built_in.as_ref().map(|(model, _)| model.name)
+    }
+
+    /// f, Q, and h where it is that of a built-in model.
+    pub(super) fn motion(&self, names: &Names) -> Result<Motion, Fault> {
+        match &self.built_in {
+            Some((model, axes)) => self.expand(model, axes, names),
+            None => self.formulas(names),
+        }
+    }
+
+    /// h, R and angles; `h` is that of a built-in model.
+    pub(super) fn observation(
+        &self,
+        document: &Fields<'_>,
+        (h, angles): (Vec<Expr>, &[String]),
+        names: &Names,
+        data: &DataSpec,
+    ) -> Result<Observation, Fault> {
+        if data.sensors.is_empty() {
+            let built_in = self.built_in.as_ref().map(|_| h);
+            observation::of_model(&self.fields, (built_in, angles), names, data)
+        } else {
+            observation::of_sensors(document, names, data)
+        }
     }
 
     fn formulas(&self, names: &Names) -> Result<Motion, Fault> {

@@ -44,14 +44,18 @@ impl<'a> Fields<'a> {
         }
         entries.sort_by_key(|(_, span, _)| span.start);
         let name = if prefix.is_empty() { "the problem file".to_owned() } else { format!("[{prefix}]") };
-        let unknown = entries.iter().find(|(key, ..)| !known.is_empty() && !known.contains(key));
-        if let Some((key, span, _)) = unknown {
-            let (nearest, known) =
-                (nearest(key, known.iter().copied()), known.iter().map(|k| (*k).to_owned()).collect());
-            let cause = Cause::UnknownKey { key: shorten(key), table: name, nearest, known };
-            return Err(Fault::new(*span, cause));
-        }
-        Ok(Self { entries, span, name })
+        let fields = Self { entries, span, name };
+        fields.check(known)?;
+        Ok(fields)
+    }
+
+    /// Every key must be one of `known`, unless that is empty.
+    pub(super) fn check(&self, known: &[&str]) -> Result<(), Fault> {
+        let unknown = self.entries.iter().find(|(key, ..)| !known.is_empty() && !known.contains(key));
+        let Some((key, span, _)) = unknown else { return Ok(()) };
+        let (nearest, known) = (nearest(key, known.iter().copied()), known.iter().map(|k| (*k).to_owned()).collect());
+        let cause = Cause::UnknownKey { key: shorten(key), table: self.name.clone(), nearest, known };
+        Err(Fault::new(*span, cause))
     }
 
     pub(super) fn get(&self, key: &str) -> Option<&Node<'a>> {

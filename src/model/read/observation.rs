@@ -7,7 +7,7 @@ use super::sensor;
 use crate::data::DataSpec;
 use crate::model::error::Fault;
 use crate::model::formula::{FormulaPlace, Names, Scope};
-use crate::model::{Expr, Model, Symbol};
+use crate::model::{Expr, Problem, Symbol};
 use crate::words::shorten;
 
 /// h, R and angles of all measurements.
@@ -106,15 +106,20 @@ pub(super) fn keys_of_h(document: &Fields<'_>, model: &Fields<'_>) -> Result<Vec
     Ok(keys)
 }
 
-/// For each input the measurements whose h alone reads it; `None` where f does. Nothing where one row measures all.
-pub(super) fn readers(data: &DataSpec, model: &Model) -> Vec<Option<Vec<usize>>> {
-    if data.sensors.is_empty() {
+/// For each input the measurements whose h alone reads it; `None` where f or a condition on a mode does. Nothing where one row
+/// measures all.
+pub(super) fn readers(problem: &Problem) -> Vec<Option<Vec<usize>>> {
+    if problem.data.sensors.is_empty() {
         return Vec::new();
     }
     let reads = |formula: &Expr, i: usize| formula.mentions(|symbol| symbol == Symbol::Input(i));
+    let moving =
+        || problem.models().flat_map(|model| &model.f).chain(problem.modes.iter().filter_map(|m| m.allowed.as_ref()));
+    // All models have the h of the sensors.
+    let h = &problem.model.h;
     let readers = |i: usize| {
-        let idle = !model.f.iter().any(|f| reads(f, i));
-        idle.then(|| (0..model.h.len()).filter(|m| reads(&model.h[*m], i)).collect())
+        let idle = !moving().any(|f| reads(f, i));
+        idle.then(|| (0..h.len()).filter(|m| reads(&h[*m], i)).collect())
     };
-    (0..model.inputs.len()).map(readers).collect()
+    (0..problem.model.inputs.len()).map(readers).collect()
 }

@@ -4,5 +4,6 @@ mod errors;
 mod examples;
 mod lets;
 mod log;
+mod modes;
 mod tables;
 mod tuned;

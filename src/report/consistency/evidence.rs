@@ -5,8 +5,8 @@ use super::rows::{RowNis, SETTLING, Sum, number};
 use super::sensors::Sensors;
 use super::whiteness::{Whiteness, normalised};
 use super::{
-    Consistency, Nees, NisDistribution, NisOverTime, Rejected, Uncertainty, Verdict, dominating, findings, mean,
-    over_time,
+    Consistency, ModeUse, Nees, NisDistribution, NisOverTime, Rejected, Uncertainty, Verdict, dominating, findings,
+    mean, over_time,
 };
 use crate::data::Log;
 use crate::model::Problem;
@@ -30,6 +30,7 @@ pub struct Evidence<'a> {
     series: Vec<Vec<Vec<f64>>>,
     /// How many of them are of the first [`SETTLING`] measured rows.
     unsettled: Vec<Vec<usize>>,
+    modes: Vec<ModeUse>,
 }
 
 impl<'a> Evidence<'a> {
@@ -47,6 +48,7 @@ impl<'a> Evidence<'a> {
             measured: vec![0; trajectories],
             series: vec![vec![Vec::new(); trajectories]; measurements],
             unsettled: vec![vec![0; trajectories]; measurements],
+            modes: problem.modes.iter().map(|mode| ModeUse::none(&mode.name)).collect(),
         }
     }
 
@@ -58,6 +60,7 @@ impl<'a> Evidence<'a> {
         if let Some(nees) = step.nees {
             self.nees = Sum { total: self.nees.total + nees, count: self.nees.count + 1 };
         }
+        ModeUse::add(&mut self.modes, &step.modes);
         let Some(update) = &step.update else { return };
         self.sensors.add(update);
         self.measured[trajectory] += 1;
@@ -131,6 +134,7 @@ impl<'a> Evidence<'a> {
             dominating_rows,
             whiteness,
             nees: self.nees(),
+            modes: self.modes.clone(),
             rejected: self.rejected,
             uncertainty: Uncertainty::default(),
         };

@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 use serde::{Serialize, Serializer};
 
 use crate::data::Log;
-use crate::model::{Adapts, Expr, FilterKind, Problem, Symbol};
+use crate::model::{Adapts, Expr, Problem, Symbol};
 use crate::number::{exact, short};
 use crate::reference::{self, Steady};
 use formula::Writer;
@@ -119,6 +119,9 @@ pub struct Matrices {
     pub gain: Gain,
     /// What an adaptive filter does with Q or R; `None` for one that keeps both.
     pub note: Option<&'static str>,
+    /// Whether they are those of one of several models.
+    #[serde(skip)]
+    of_modes: bool,
     #[serde(skip)]
     states: Vec<String>,
     #[serde(skip)]
@@ -131,7 +134,7 @@ pub struct Matrices {
 pub enum Gain {
     /// It settles to one, with every measurement present.
     Steady,
-    /// F, H, Q or R change from row to row, and with them the gain.
+    /// F, H, Q or R change from row to row, or what a filter makes of several models, and with them the gain.
     Varies,
     /// F, H, Q and R stay, and the gain does not settle: a state that nothing drives, or an unstable one that is not seen.
     Unsettled,
@@ -172,7 +175,8 @@ impl Matrices {
             varies: Vec::new(),
             K: None,
             gain: Gain::Varies,
-            note: adapted(&problem.filter),
+            note: adapted(problem),
+            of_modes: !problem.modes.is_empty(),
             states: model.states.clone(),
             measurements: model.measurements.clone(),
         };
@@ -187,6 +191,8 @@ impl Matrices {
         let varies = self.all().any(|(name, matrix)| !offset(name) && matrix.varies());
         let affine = self.f.is_none() && self.h.is_none();
         let stays = problem.robust.is_none() && problem.filter.facts().adapts == Adapts::Nothing;
+        // Of several models no one gain is the filter's.
+        let stays = stays && problem.modes.is_empty();
         if varies || !affine || !stays {
             return;
         }
@@ -216,8 +222,11 @@ pub(super) fn differ_in_unit(problem: &Problem, states: &[usize]) -> bool {
 }
 
 /// Which of the matrices printed is a start only.
-fn adapted(kind: &FilterKind) -> Option<&'static str> {
-    match kind.facts().adapts {
+fn adapted(problem: &Problem) -> Option<&'static str> {
+    if !problem.modes.is_empty() {
+        return Some("these are those of [model], or of the first mode where it has none; each mode has its own");
+    }
+    match problem.filter.facts().adapts {
         Adapts::Nothing => None,
         Adapts::ProcessNoise => Some("Q is where each trajectory starts; the filter adapts it"),
         Adapts::MeasurementNoise => Some("R is where each trajectory starts; the filter adapts it"),

@@ -121,7 +121,8 @@ impl Matrices {
     fn why_it_varies(&self) -> String {
         let names: Vec<&str> = self.varies.iter().filter(|name| !matches!(**name, "f0" | "h0")).copied().collect();
         match names.split_last() {
-            // Of an adaptive filter the note that follows says what.
+            // The note that follows says what the filter adapts or weighs.
+            None if self.of_modes => "the weights of the modes do".to_owned(),
             None => "the adapted covariance does".to_owned(),
             Some((only, [])) => format!("{only} does"),
             Some((last, others)) => format!("{} and {last} do", others.join(", ")),

@@ -6,7 +6,7 @@ use super::run_record::RunRecord;
 use super::track::{MeasurementSeries, StateSeries, Track};
 use crate::chart::{Axis, Colour, Dash, Envelope, Figure, Marker, Panel, Stroke};
 use crate::data::{Log, Origin, SplitBy};
-use crate::model::Problem;
+use crate::model::{Mode, Problem};
 use crate::report::{Whiteness, count, significant};
 
 const MEASURED: (Marker, Colour) = (Marker::Dot, Colour::Grey);
@@ -140,6 +140,19 @@ impl RunRecord<'_> {
     pub fn plan(&self) -> Option<Figure> {
         let plan = self.track()?.plan.as_ref()?;
         Some(plan.draw(self.figure("track from above"), self.problem, [TRUTH, SMOOTHED]))
+    }
+
+    /// The probability of each mode over time; `None` for a filter of one model.
+    #[must_use]
+    pub fn modes(&self) -> Option<Figure> {
+        let track = self.track().filter(|track| !track.modes.is_empty())?;
+        let panel = |(mode, series): (&Mode, &Envelope)| {
+            let axis = Axis::new(format!("p of {}", mode.name)).including(0.0).including(1.0);
+            let panel = Panel::new(time_axis(self.problem, self.log), axis);
+            self.with_boundary(panel.line("probability", ESTIMATE, series.line()))
+        };
+        let figure = self.figure("probabilities of the modes");
+        Some(figure.panels(self.problem.modes.iter().zip(&track.modes).take(MOST).map(panel)))
     }
 
     /// NIS over time with the band that holds 95 % of it if the filter is right.

@@ -76,7 +76,7 @@ impl<'a> RunRecord<'a> {
     pub fn add(&mut self, trajectory: usize, step: &Step) {
         if self.current.as_ref().is_none_or(|track| track.trajectory != trajectory) {
             self.close();
-            self.current = Some(Track::new(trajectory, self.log, &self.problem.model, self.axes));
+            self.current = Some(Track::new(trajectory, self.log, self.problem, self.axes));
         }
         let band = step.update.as_ref().and_then(|update| self.bands.get(update.present.len())).copied();
         let counts = self.held_out.is_none_or(|held_out| step.row >= held_out.from[trajectory]);

@@ -4,7 +4,7 @@ use super::fan::{DOTS, Fan};
 use super::plan::{Axes, MOST, Plan};
 use crate::chart::{Envelope, longest};
 use crate::data::{Log, Trajectory};
-use crate::model::{Angles, Model};
+use crate::model::{Angles, Problem};
 use crate::reference::{Step, Update};
 
 /// One trajectory over time.
@@ -22,6 +22,8 @@ pub(super) struct Track {
     pub(super) nis_fan: Option<Fan>,
     /// Where two states are a place on a plane.
     pub(super) plan: Option<Plan>,
+    /// Probabilities of the modes after each row.
+    pub(super) modes: Vec<Envelope>,
 }
 
 #[derive(Debug, Clone)]
@@ -145,7 +147,8 @@ impl MeasurementSeries {
 }
 
 impl Track {
-    pub(super) fn new(trajectory: usize, log: &Log, model: &Model, axes: Option<Axes>) -> Self {
+    pub(super) fn new(trajectory: usize, log: &Log, problem: &Problem, axes: Option<Axes>) -> Self {
+        let model = &problem.model;
         let of: &Trajectory = &log.trajectories[trajectory];
         let measured = times_where(of, |k| of.z.row(k).iter().any(|z| !z.is_nan()));
         Self {
@@ -159,6 +162,7 @@ impl Track {
             nis_band: Envelope::new(of.len()),
             nis_fan: fan(&measured),
             plan: axes.map(|axes| Plan::new(axes, of.len())),
+            modes: problem.modes.iter().map(|_| Envelope::new(of.len())).collect(),
         }
     }
 
@@ -187,6 +191,9 @@ impl Track {
         }
         for (series, z) in self.measurements.iter_mut().zip(trajectory.z.row(step.row)) {
             series.measured.push(time, *z);
+        }
+        for (series, probability) in self.modes.iter_mut().zip(&step.modes) {
+            series.push(time, *probability);
         }
         if let Some(plan) = &mut self.plan {
             plan.add(trajectory, step);

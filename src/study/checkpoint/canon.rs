@@ -6,8 +6,8 @@
 
 use super::sum::Sum;
 use crate::model::{
-    Angles, Expr, ExprKind, FilterKind, First, Model, Parameter, Parameters, Problem, Robust, Scale, Search, Start,
-    Symbol, TuneSpec, Value,
+    Angles, Expr, ExprKind, FilterKind, First, Mode, Model, Parameter, Parameters, Problem, Robust, Scale, Search,
+    Start, Symbol, TuneSpec, Value,
 };
 use crate::objective::{Constraint, Kind, Objective};
 
@@ -25,12 +25,17 @@ impl Canon {
 
     /// What the bits of a search over it depend on, but for the log.
     pub(super) fn problem(&mut self, problem: &Problem) {
-        let Problem { source: _, text: _, data: _, model, parameters, filter, robust, tune, simulate: _ } = problem;
+        let Problem { source: _, text: _, data: _, model, parameters, filter, robust, modes, tune, simulate: _ } =
+            problem;
         self.model(model);
         self.parameters(parameters);
         self.filter(filter);
         // Problems without robust updates keep the identity that they had before there were any.
         robust.iter().for_each(|robust| self.robust(robust));
+        // Filters of one model keep the identity that they had before there were any of several.
+        if !modes.is_empty() {
+            self.list("modes", modes, Self::mode);
+        }
         self.tune(tune);
     }
 
@@ -136,6 +141,16 @@ impl Canon {
             self.formula(setting.formula);
         }
         filter.sizes().into_iter().for_each(|size| self.0.number(size as u64));
+    }
+
+    fn mode(&mut self, Mode { name, model, filter, allowed }: &Mode) {
+        self.0.text(name);
+        self.model(model);
+        self.filter(filter);
+        if let Some(allowed) = allowed {
+            self.0.text("allowed");
+            self.formula(allowed);
+        }
     }
 
     fn robust(&mut self, robust: &Robust) {

@@ -7,6 +7,7 @@ mod diffuse;
 mod failing;
 mod formulas;
 mod gaps;
+mod imm;
 mod large;
 mod nonlinear;
 mod objectives;
@@ -43,6 +44,7 @@ pub(crate) fn all() -> Vec<Case> {
     cases.extend(large::cases());
     cases.extend(diffuse::cases());
     cases.extend(gaps::cases());
+    cases.extend(imm::cases());
     cases.extend(nonlinear::cases());
     cases.extend(objectives::cases());
     cases

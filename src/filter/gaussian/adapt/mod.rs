@@ -21,7 +21,7 @@ use crate::filter::row::Row;
 use crate::filter::tracer::Tracer;
 use crate::filter::units;
 use crate::model::{Model, Range};
-use crate::tape::{Graph, Id};
+use crate::tape::{Graph, Id, Unary};
 
 /// The noise of a row, in the filter's units.
 pub(in crate::filter) struct Noise {
@@ -104,7 +104,7 @@ fn diagonal(g: &mut Graph, variances: &[Id]) -> Symmetric {
 }
 
 /// Positive while the searched settings of the filter are in their ranges.
-pub(super) fn in_range(t: &mut Tracer<'_>, settings: &[Id]) -> Vec<Id> {
+pub(in crate::filter) fn in_range(t: &mut Tracer<'_>, settings: &[Id]) -> Vec<Id> {
     let ranges = t.problem.settings().into_iter().map(|setting| setting.range);
     let searched: Vec<_> = ranges.zip(settings).filter(|(_, value)| t.g.value(**value).is_none()).collect();
     searched.into_iter().map(|(range, value)| within(&mut t.g, range, *value)).collect()
@@ -124,6 +124,17 @@ fn within(g: &mut Graph, range: Range, value: Id) -> Id {
         Range::Share => {
             let above = g.sub(value, one);
             g.select(above, no, value)
+        }
+        Range::Probability => {
+            let (below, above) = (g.neg(value), g.sub(value, one));
+            let least = g.select(above, no, one);
+            g.select(below, no, least)
+        }
+        Range::One => {
+            let (off, rounding) = (g.sub(value, one), g.constant(Range::ROUNDING));
+            let off = g.unary(Unary::Abs, off);
+            let beyond = g.sub(off, rounding);
+            g.select(beyond, no, one)
         }
         Range::Inside => {
             let rest = g.sub(one, value);

@@ -40,7 +40,7 @@ impl Problem {
             Start::Measurement => &[],
         };
         let mut used = vec![false; self.parameters.all.len()];
-        let modes: Vec<Problem> = self.modes.iter().map(|mode| self.of_mode(mode)).collect();
+        let modes: Vec<Self> = self.modes.iter().map(|mode| self.of_mode(mode)).collect();
         let settings: Vec<_> = [self].into_iter().chain(&modes).flat_map(Self::settings).collect();
         let settings = settings.iter().map(|setting| setting.formula);
         let formulas = self.models().flat_map(|model| [&model.f[..], &model.h, &model.q, &model.r, &model.p0]);

@@ -144,7 +144,7 @@ fn find(node: &Node<'_>) -> Result<&'static str, Fault> {
         if FilterKind::NAMES.contains(&name) {
             return node.bad_value(format!("\"{name}\""), format!("one of {}", FILTERS.join(", ")));
         }
-        let nearest = nearest(name, FILTERS.into_iter());
+        let nearest = nearest(name, FILTERS);
         let known = FILTERS.map(str::to_owned).to_vec();
         node.fault(Cause::NoSuch { key: node.key.clone(), what: "the filter", name: shorten(name), nearest, known })
     })

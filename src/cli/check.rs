@@ -2,14 +2,16 @@
 
 use std::path::PathBuf;
 
+use anyhow::anyhow;
 use clap::Args;
 use serde::Serialize;
 
 use super::console::Console;
 use super::{Ending, files, load};
+use crate::data::Log;
 use crate::model::Problem;
 use crate::reference;
-use crate::report::{Bound, Consistency, Evidence, Named, Test, short};
+use crate::report::{Bound, Consistency, Evidence, FilterScore, Linearity, LinearityVerdict, Named, Test, short};
 use crate::table::Table;
 
 /// Check that a filter is consistent with a log: exit 0 if every target is met, 1 if not, for CI.
@@ -34,6 +36,12 @@ pub(super) struct Check {
     #[arg(long, value_name = "FILE")]
     data: Option<String>,
 
+    /// Other filters to run on the same log with the same parameters, separated by commas: `extended`, `iterated`, `unscented`,
+    /// `cubature`, and `kalman` where f and h are affine (default: none). A table of their scores and a sentence say whether
+    /// linearising costs on this log; the exit code does not depend on them.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    filters: Vec<String>,
+
     /// Print targets and consistency as one JSON object on stdout (default: a table and the verdict), for programs.
     #[arg(long)]
     json: bool,
@@ -57,6 +65,11 @@ struct Report {
     targets: Vec<Target>,
     parameters: Named<f64>,
     consistency: Consistency,
+    /// Filters beside the problem's own, where they were asked for, and what they say together.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    linearity: Option<Vec<FilterScore>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    verdict: Option<LinearityVerdict>,
     warnings: Vec<String>,
 }
 
@@ -65,15 +78,22 @@ impl Check {
         let loaded = load::load(Some(&self.problem), self.data.as_deref(), console)?;
         let (problem, log) = (&loaded.problem, &loaded.log);
         let candidate = load::candidate(problem, self.parameters.as_deref())?;
+        let linearity = self.linearity(problem, log, &candidate)?;
+        if let Some(linearity) = linearity.as_ref().filter(|_| !self.json) {
+            files::print(&format!("{linearity}\n"))?;
+        }
         let mut evidence = Evidence::new(problem, log);
         reference::visit(problem, log, &candidate, &mut |trajectory, step| evidence.add(trajectory, step))?;
         let consistency = evidence.judge(problem, &candidate);
         let targets = targets(problem, &consistency, &candidate);
+        let (linearity, verdict) = linearity.map(|found| (found.filters, found.verdict)).unzip();
         let report = Report {
             pass: targets.iter().all(|target| target.pass),
             targets,
             parameters: Named::new(problem.parameters.names(), candidate),
             consistency,
+            linearity,
+            verdict,
             warnings: loaded.warnings,
         };
         if self.json {
@@ -82,6 +102,13 @@ impl Check {
             files::print(&report.to_string())?;
         }
         Ok(if report.pass { Ending::Done } else { Ending::NotUsable })
+    }
+
+    /// The problem by the filters asked for; `None` without any.
+    fn linearity(&self, problem: &Problem, log: &Log, candidate: &[f64]) -> anyhow::Result<Option<Linearity>> {
+        let named = |name: &String| problem.with_filter(name.trim()).map_err(|error| anyhow!("--filters: {error}"));
+        let others = self.filters.iter().map(named).collect::<anyhow::Result<Vec<Problem>>>()?;
+        Ok((!others.is_empty()).then(|| Linearity::of(problem, &others, log, candidate, true)))
     }
 }
 

@@ -220,7 +220,7 @@ pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) 
 }
 
 /// "; did you mean `a`?" or the list of what there is.
-fn suggestion(nearest: Option<&str>, known: &[String]) -> String {
+pub(super) fn suggestion(nearest: Option<&str>, known: &[String]) -> String {
     const SHOWN: usize = 12;
     let mut list = known.iter().take(SHOWN).map(|k| format!("`{}`", shorten(k))).collect::<Vec<_>>().join(", ");
     if known.len() > SHOWN {

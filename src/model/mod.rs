@@ -13,6 +13,7 @@ pub mod family;
 mod formula;
 mod library;
 mod linear;
+mod other_filter;
 mod parameter;
 mod problem;
 mod read;
@@ -29,6 +30,7 @@ pub(crate) use evaluate::Formula;
 pub use expr::{Binary, Expr, ExprKind, Logical, Span, Symbol};
 pub use family::{Adapts, Facts, FilterKind, Range, Robust, Setting};
 pub use library::built_in_models;
+pub use other_filter::FilterError;
 pub use parameter::{Parameter, Parameters, Scale, Search, Value};
 pub use problem::{Angles, First, Mode, Model, Pick, Problem, SimulateSpec, Start, TuneSpec};
 

@@ -4,8 +4,8 @@ use super::effort::{objectives, parameters};
 use super::validation::Trained;
 use super::warnings::mixed_units;
 use super::{
-    Bound, Certificate, Effort, Evidence, Matrices, Named, Polish, Rows, Scored, StartOf, Tuning, Uncertainty,
-    Validation, Warning, constraint_checks, front, raw_rmse,
+    Bound, Certificate, Effort, Evidence, Linearity, Matrices, Named, Polish, Rows, Scored, StartOf, Tuning,
+    Uncertainty, Validation, Warning, constraint_checks, front, raw_rmse,
 };
 use crate::data::HeldOut;
 use crate::model::Problem;
@@ -53,6 +53,7 @@ impl Tuning {
             validation,
             consistency,
             consistency_on,
+            linearity: Linearity::of_winner(problem, log, &winner.candidate),
             certificate: Certificate::of(problem, &winner.certificate),
             constraints: constraint_checks(problem, outcome),
             feasible: winner.violation <= 0.0,

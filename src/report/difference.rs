@@ -15,7 +15,7 @@ use super::{Named, significant};
 use crate::data::HeldOut;
 use crate::model::Problem;
 use crate::objective::Objective;
-use per_row::{PerRow, per_row};
+use per_row::{Influence, PerRow, per_row};
 
 /// Standard errors beyond which a difference is told: those of a 95 % interval.
 const TOLD: f64 = 1.96;
@@ -71,8 +71,21 @@ impl Difference {
         Self { difference, standard_error, verdict }
     }
 
+    /// Of two runs over the same rows by what each row adds to a sum, as to `nll`: by trajectory and row.
+    pub(super) fn of_sums(baseline: &[Vec<f64>], other: &[Vec<f64>]) -> Self {
+        let [baseline, other] = [baseline, other].map(|rows| {
+            let measured: Vec<&Vec<f64>> = rows.iter().filter(|rows| !rows.is_empty()).collect();
+            let total: f64 = measured.iter().copied().flatten().sum();
+            let mean = total / measured.iter().map(|rows| rows.len()).sum::<usize>() as f64;
+            let around = |rows: &Vec<f64>| rows.iter().map(|row| row - mean).collect();
+            (total, Influence { rows: measured.into_iter().map(around).collect(), trajectories: None })
+        });
+        let error = standard_error::paired(baseline.1, &other.1);
+        Self::of(baseline.0 - other.0, error.unwrap_or(f64::NAN))
+    }
+
     /// "35.1 +- 4.2 nats", without its sign.
-    fn amount(&self, objective: &str) -> String {
+    pub(super) fn amount(&self, objective: &str) -> String {
         let digits = |value: f64| significant(value, 3);
         let unit = if objective == "nll" { " nats" } else { "" };
         let error = if self.standard_error.is_nan() { "?".to_owned() } else { digits(self.standard_error) };

@@ -7,7 +7,7 @@ use std::fmt;
 
 use super::document::{Document, Part, Picture, Section};
 use super::validation::improvement_text;
-use super::{Certificate, Effort, Gain, Named, Nothing, Tuning, Validation, constraint};
+use super::{Certificate, Effort, Gain, Linearity, Named, Nothing, Tuning, Validation, constraint};
 use crate::evaluate::Device;
 use crate::number::{count, seconds, short, significant};
 use crate::study::StopReason;
@@ -54,6 +54,7 @@ fn document(tuning: &Tuning, pictures: &[Picture]) -> Document {
         front.map(|(points, summary)| summary.section(points, tuning.validation.is_some())),
         Some(filter(tuning)),
         Some(tuning.consistency.under(Section::new(format!("Consistency ({})", tuning.consistency_on)))),
+        tuning.linearity.as_ref().map(linearity),
         Some(certificate(tuning)),
         pictures
             .iter()
@@ -211,6 +212,11 @@ fn filter(tuning: &Tuning) -> Section {
     Section::new(format!("Tuned filter ({step}{gain})"))
         .on_page(format!("`tuned.toml` in this folder runs as a problem file.{formulas}"))
         .with(Part::Verbatim(matrices.to_string()))
+}
+
+/// Whether another view of f and h would do better.
+fn linearity(found: &Linearity) -> Section {
+    Section::untitled("Linearity").with(found.of_the_tuned()).on_page(found.table())
 }
 
 /// Whether the search can be believed, and how it ended.

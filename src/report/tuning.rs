@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use super::{
-    Bound, Consistency, ConstraintCheck, Effort, FrontPoint, FrontSummary, HeldOutDifference, Matrices, Named, Rows,
-    StartOf, Validation,
+    Bound, Consistency, ConstraintCheck, Effort, FrontPoint, FrontSummary, HeldOutDifference, Linearity, Matrices,
+    Named, Rows, StartOf, Validation,
 };
 use crate::study::Ended;
 
@@ -32,6 +32,8 @@ pub struct Tuning {
     pub consistency: Consistency,
     /// The rows that this was judged on: held-out ones where there are any and the filter runs there.
     pub consistency_on: Rows,
+    /// The winner by other filters on the rows tuned on, where f or h is curved.
+    pub linearity: Option<Linearity>,
     /// Search costs against the reference.
     pub certificate: Certificate,
     /// Constraints, held against the winner.
@@ -119,7 +121,7 @@ pub struct Polish {
 
 impl Nothing {
     /// The keys of a [`Tuning`] beside those of its effort.
-    const KEYS: [&str; 20] = [
+    const KEYS: [&str; 21] = [
         "parameters",
         "at_bound",
         "simulated_with",
@@ -130,6 +132,7 @@ impl Nothing {
         "start_of",
         "consistency",
         "consistency_on",
+        "linearity",
         "certificate",
         "constraints",
         "feasible",

@@ -71,13 +71,22 @@ impl Linearity {
     /// One sentence on the winner of a study.
     pub(super) fn of_the_tuned(&self) -> String {
         let own = self.filters.first().map_or("", |own| own.filter.as_str());
-        let others = self.filters.iter().any(|other| other.verdict == Standing::Worse);
-        let tuned = match self.verdict.linearising {
-            // Parameters of one filter are not those of another: theirs may hide what its own view of f and h costs.
-            Linearising::NoProblem if others => format!("; Q and R were tuned for the {own} filter, though"),
-            _ => String::new(),
+        let is_worse = self.filters.iter().any(|other| other.verdict == Standing::Worse);
+        // Q and R that suit one filter need not suit another: they may have taken in what its view of f and h costs.
+        let may_hide = match self.verdict.linearising {
+            Linearising::NoProblem => is_worse,
+            Linearising::NotToldApart => true,
+            Linearising::Exact | Linearising::Costs => false,
         };
-        format!("With the tuned parameters, on the rows tuned on: {}{tuned}.", self.verdict.sentence)
+        let hidden = if may_hide {
+            format!(
+                "; Q and R were tuned for the {own} filter, which may hide what linearising costs: tune with another `kind` as \
+                 well, and compare"
+            )
+        } else {
+            String::new()
+        };
+        format!("With the tuned parameters, on the rows tuned on: {}{hidden}.", self.verdict.sentence)
     }
 
     /// A filter a row.

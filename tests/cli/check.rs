@@ -149,3 +149,60 @@ fn truth_may_have_gaps() {
     let json = folder.run(&["filter", "problem.toml", "--smooth", "--json"]).expect(0).json();
     assert!(json["rmse"].is_null(), "truth without a value: {json}");
 }
+
+/// The growth model by other filters: a table, a sentence, and the exit code of the problem's own.
+#[test]
+fn filters_are_compared_on_one_log() {
+    let folder = Folder::new();
+    folder.write("problem.toml", include_str!("../data/nonlinear/growth.toml"));
+    folder.write("growth.csv", include_str!("../data/nonlinear/growth.csv"));
+    let plain = folder.run(&["check", "problem.toml"]).expect(1).stdout;
+    let text = folder.run(&["check", "problem.toml", "--filters", "unscented,iterated,unscented"]).expect(1).stdout;
+    assert!(text.ends_with(&plain), "targets and verdict are those of the problem's own filter: {text}");
+    assert_eq!(text.matches("\n  unscented ").count(), 1, "one row a filter: {text}");
+    let sentence = "The unscented filter is more likely than the extended by 718 +- ";
+    assert!(text.contains(sentence) && text.contains("extended (own)"), "{text}");
+    let arguments = ["check", "problem.toml", "--filters", "extended,unscented", "--json"];
+    let json = folder.run(&arguments).expect(1).json();
+    let filters = json["linearity"].as_array().unwrap();
+    assert_eq!(
+        filters.iter().map(|one| one["filter"].as_str().unwrap()).collect::<Vec<_>>(),
+        ["extended", "unscented"]
+    );
+    assert!(filters[1]["difference"].as_f64().unwrap() < -500.0 && filters[1]["verdict"] == "better", "{json}");
+    for key in ["nll", "nll_per_row", "standard_error", "nis_mean", "amplification"] {
+        assert!(filters.iter().all(|one| one[key].is_f64()), "{key}: {json}");
+    }
+    assert!(filters[0]["rmse"]["x"].as_f64() > filters[1]["rmse"]["x"].as_f64() && filters[0]["failed"].is_null());
+    assert_eq!(json["verdict"]["linearising"], "costs", "{json}");
+    let json = folder.run(&["check", "problem.toml", "--json"]).expect(1).json();
+    assert!(json.get("linearity").is_none() && json.get("verdict").is_none(), "not asked for: {json}");
+}
+
+#[test]
+fn names_that_are_no_filter_are_refused() {
+    let folder = Folder::with_level();
+    let refused = |names: &str| folder.run(&["check", "problem.toml", "--filters", names]).refusal();
+    let message = refused("extended,unscentd");
+    assert!(message.starts_with("--filters: there is no filter `unscentd`: did you mean `unscented`?"), "{message}");
+    assert!(refused("sage-husa").contains("adapts its noise"), "{}", refused("sage-husa"));
+    let finished = folder.run(&["check", "problem.toml", "--filters", "kalman,extended"]);
+    assert!(finished.stdout.contains("Every filter is the Kalman filter here"), "{}", finished.stdout);
+}
+
+/// Where the problem's own filter fails, what was found of all is told before the failure.
+#[test]
+fn a_filter_that_fails_is_a_row_with_its_reason() {
+    let folder = Folder::with_level();
+    // It runs away where nothing is measured.
+    let away =
+        LEVEL.replace("f = [\"x\"]", "f = [\"x + x^3\"]").replace("[tune]", "[filter]\nkind = \"extended\"\n[tune]");
+    folder.write("problem.toml", away);
+    folder.write("log.csv", (0..40).fold("t,z\n0,3\n".to_owned(), |log, k| log + &format!("{},\n", k + 1)));
+    let finished = folder.run(&["check", "problem.toml", "--filters", "iterated"]).expect(2);
+    let sentence = "Nothing can be told of linearising: no filter runs on this log.";
+    assert!(finished.stdout.contains(sentence), "{}{}", finished.stdout, finished.stderr);
+    let reasons = finished.stdout.matches("log.csv:").count();
+    assert_eq!(reasons, 2, "one a filter: {}", finished.stdout);
+    assert!(finished.stderr.contains("error: log.csv:"), "{}", finished.stderr);
+}

@@ -40,3 +40,22 @@ fn errors_of_an_angle_are_taken_modulo_a_turn() {
     let heading = json["rmse"]["filter"]["heading"].as_f64().unwrap();
     assert!(heading < 0.2, "rmse of the heading {heading} rad");
 }
+
+/// A tuned extended filter of the growth model: its Q and R are wide, and still another filter is more likely with them.
+#[test]
+fn a_study_tells_what_linearising_costs() {
+    let folder = Folder::new();
+    folder.write("problem.toml", include_str!("../data/nonlinear/growth.toml"));
+    folder.write("growth.csv", include_str!("../data/nonlinear/growth.csv"));
+    let short = ["--generations", "5", "--population", "20", "--quiet", "--out", "tuned"];
+    let text = folder.run(&[&["tune", "problem.toml"][..], &short].concat()).expect(0).stdout;
+    let page = folder.read("tuned/report.md");
+    let sentence = "With the tuned parameters, on the rows tuned on: ";
+    assert!(text.contains(sentence) && page.contains(sentence) && page.contains("extended (own)"), "{text}");
+    let json: serde_json::Value = serde_json::from_str(&folder.read("tuned/result.json")).unwrap();
+    let filters = json["linearity"]["filters"].as_array().unwrap();
+    assert_eq!(filters.len(), 2, "its own and one with sigma points: {json}");
+    assert!(json["linearity"]["verdict"]["linearising"].is_string(), "{json}");
+    let hidden = "; Q and R were tuned for the extended filter, which may hide what linearising costs";
+    assert!(text.contains(hidden), "the tuned filter looks consistent, with a NEES of 300: {text}");
+}

@@ -67,7 +67,10 @@ fn every_kernel_in_f32_is_valid() {
 #[test]
 fn every_kernel_in_f64_is_valid_and_a_function_that_wgsl_lacks_is_named() {
     let (cases, without) = check(Precision::F64);
-    assert!(cases > 100 && without.is_empty(), "{cases} cases, without a kernel: {without:?}");
+    // Filters of any formula, several models and densities call functions in every row.
+    let other: Vec<_> =
+        without.iter().filter(|(_, error)| !matches!(error, GpuError::Wgsl(WgslError::NotInF64 { .. }))).collect();
+    assert!(cases - without.len() > 100 && other.is_empty(), "{cases} cases, without a kernel: {other:?}");
     let error = source(&decay(), Precision::F64).err();
     let expected = WgslError::NotInF64 { function: "exp".to_owned() };
     assert_eq!(error, Some(GpuError::Wgsl(expected)), "the host cannot take exp(-rate * dt) where both vary");

@@ -29,7 +29,8 @@ pub use error::{Cause, Place, ProblemError};
 pub(crate) use evaluate::Formula;
 pub use expr::{Binary, Expr, ExprKind, Logical, Span, Symbol};
 pub use family::{Adapts, Facts, FilterKind, Range, Robust, Setting};
-pub use library::built_in_models;
+
+pub use library::{built_in_models, built_in_sensors};
 pub use other_filter::FilterError;
 pub use parameter::{Parameter, Parameters, Scale, Search, Value};
 pub use problem::{Angles, First, Mode, Model, Pick, Problem, SimulateSpec, Start, TuneSpec};

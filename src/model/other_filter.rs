@@ -2,7 +2,7 @@
 
 use super::error::{Fault, nearest, suggestion};
 use super::family::Settings;
-use super::{Adapts, Expr, FilterKind, Problem};
+use super::{Adapts, Expr, FilterKind, Problem, Span};
 use crate::words::{enumerated, shorten};
 
 /// A filter that a problem cannot be run by.
@@ -77,7 +77,10 @@ impl Problem {
         let linear = FilterKind::NAMES[0];
         let affine = self.model.is_affine().then_some(linear);
         let own = Some(self.filter.name()).filter(|own| *own != linear && self.filter.is_linear());
-        affine.into_iter().chain(own).chain(FilterKind::nonlinear()).collect()
+        // What cannot do without settings is no other filter of the same problem.
+        let defaults = Defaults { states: self.model.states.len() };
+        let others = FilterKind::nonlinear().filter(|name| FilterKind::read(name, &defaults).is_ok());
+        affine.into_iter().chain(own).chain(others).collect()
     }
 }
 
@@ -101,5 +104,17 @@ impl Settings for Defaults {
 
     fn count(&self, _: &'static str, default: usize, _: u32, _: u32) -> Result<usize, Fault> {
         Ok(default)
+    }
+
+    fn modes(&self) -> usize {
+        0
+    }
+
+    fn rows(&self, _: &'static str) -> Result<Option<Vec<Vec<Expr>>>, Fault> {
+        Ok(None)
+    }
+
+    fn refuse(&self, key: &'static str, problem: String) -> Fault {
+        Fault::invalid(Span::default(), key, problem)
     }
 }

@@ -44,7 +44,7 @@ pub enum Cause {
     )]
     SingularNoise,
     /// Several models are smoothed by no recursion that is built.
-    #[error("the imm filter has no smoother (leave smoothing out)")]
+    #[error("the filter of several models has no smoother (leave smoothing out)")]
     NoSmoother,
     /// `first = "predict"` has no interval to use.
     #[error("first = \"predict\" has no interval, because the log's intervals differ (give first_dt)")]

@@ -1,12 +1,18 @@
 //! Nearly constant acceleration: white-noise jerk, or a Wiener acceleration in steps (Bar-Shalom, Li and Kirubarajan
 //! 2001, sections 6.2.3 and 6.3.3).
 
-use super::{BuiltIn, Noise, matrix};
+use super::{BuiltIn, Noise, chains, matrix};
 use crate::model::Expr;
 
 /// States: the positions, then the velocities, then the accelerations.
-pub(super) const MODEL: BuiltIn =
-    BuiltIn { name: "constant-acceleration", components: &["", "v", "a"], strengths: &["q"], process_noise };
+pub(super) const MODEL: BuiltIn = BuiltIn {
+    name: "constant-acceleration",
+    axes: [1, 3],
+    leading: None,
+    components: &["", "v", "a"],
+    strengths: &["q"],
+    read: |keys| chains(keys, 3, &["q"], process_noise),
+};
 
 /// Continuous: q integrated three times. Piecewise: q G G' with G = [dt^2/2, dt, 1].
 fn process_noise(noise: Noise, strengths: &[Expr]) -> Vec<Expr> {

@@ -1,14 +1,16 @@
 //! Local linear trend: a level and its slope, both wandering (Durbin and Koopman 2012, section 3.2).
 
-use super::{BuiltIn, Noise, matrix, share};
+use super::{BuiltIn, Noise, chains, matrix, share};
 use crate::model::{Binary, Expr};
 
 /// States: the levels, then the slopes per second.
 pub(super) const MODEL: BuiltIn = BuiltIn {
     name: "local-linear-trend",
+    axes: [1, 3],
+    leading: None,
     components: &["", "slope_"],
     strengths: &["q_level", "q_slope"],
-    process_noise,
+    read: |keys| chains(keys, 2, &["q_level", "q_slope"], process_noise),
 };
 
 /// Continuous: independent white noises of densities q_level on the level's rate and q_slope on the slope's, integrated

@@ -57,10 +57,14 @@ fn checked(document: &Fields<'_>, model: &Model, filter: FilterKind) -> Result<F
     let node = document.need("model", "a table")?;
     let fields = node.table("a table", &[])?;
     if filter.is_linear() {
-        let of_f = fields.get("f").map_or(Ok(Vec::new()), |f| f.list("a list of formulas"))?;
-        let keys: Vec<String> = of_f.into_iter().map(|entry| entry.key).collect();
-        check_linear(node, keys, &model.f, &filter)?;
-        check_linear(node, keys_of_h(document, &fields)?, &model.h, &filter)?;
+        if let Some(kind) = fields.get("kind") {
+            let keys = vec![kind.key.clone(); model.f.len()];
+            check_linear(node, keys, &within(kind, &model.f), &filter)?;
+        } else if let Some(f) = fields.get("f") {
+            let keys = f.list("a list of formulas")?.into_iter().map(|entry| entry.key).collect();
+            check_linear(node, keys, &model.f, &filter)?;
+        }
+        check_linear(node, keys_of_h(document, &fields, model.h.len())?, &model.h, &filter)?;
     }
     match fields.get("x0") {
         Some(x0) if model.x0 == Start::Measurement && model.h.iter().any(|h| linear::check(h).is_err()) => {
@@ -68,6 +72,13 @@ fn checked(document: &Fields<'_>, model: &Model, filter: FilterKind) -> Result<F
         }
         _ => Ok(filter),
     }
+}
+
+/// Formulas that no key has, as if they stood at this one.
+fn within(node: &Node<'_>, formulas: &[Expr]) -> Vec<Expr> {
+    let mut all = formulas.to_vec();
+    all.iter_mut().for_each(|formula| formula.map_spans(&|_| node.span));
+    all
 }
 
 /// Formulas are affine in the states; without `keys` they are those of a built-in model.

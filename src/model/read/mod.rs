@@ -1,5 +1,6 @@
 //! A problem file to a [`Problem`]: one file a table.
 
+mod built_in;
 mod constraints;
 mod covariance;
 mod data;
@@ -9,6 +10,7 @@ mod lets;
 mod locate;
 mod model;
 mod modes;
+mod named_sensor;
 mod names;
 mod node;
 mod objectives;

@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
+use super::built_in::{self, Given};
 use super::covariance::{self, Axes};
 use super::data;
 use super::lets;
+use super::named_sensor::Places;
 use super::names::{check_name, limit};
 use super::node::{Fields, Node};
 use super::observation::{self, Observation};
@@ -12,13 +14,13 @@ use super::parameters::Factor;
 use crate::data::DataSpec;
 use crate::model::error::{Cause, Fault, nearest};
 use crate::model::formula::{FormulaPlace, Names, Scope};
-use crate::model::library::{self, BuiltIn, Motion, Noise};
+use crate::model::library::{self, BuiltIn, Motion};
 use crate::model::{Angles, Expr, First, Model, Parameters, Start, Value};
 
 /// A step over n dense states and measurements is 4 n^3 flops, 7 n^3 by factors: tracing 32 takes a second.
 const MAX_STATES: usize = 32;
-const COMMON: [&str; 7] = ["R", "x0", "P0", "first", "first_dt", "angle", "let"];
-const FORMULAS: [&str; 4] = ["state", "f", "h", "Q"];
+const COMMON: [&str; 10] = ["h", "at", "velocity", "R", "x0", "P0", "first", "first_dt", "angle", "let"];
+const FORMULAS: [&str; 3] = ["state", "f", "Q"];
 const BUILT_IN: [&str; 3] = ["kind", "axes", "noise"];
 
 /// Whether a mode may have the key in the place of the model's.
@@ -52,7 +54,7 @@ pub(super) fn table<'a>(document: &Fields<'a>) -> Result<Fields<'a>, Fault> {
 
 /// The keys that a model may have: those of the built-in model that it is, or of formulas.
 pub(super) fn keys(fields: &Fields<'_>) -> Result<Vec<&'static str>, Fault> {
-    let built_in = fields.optional("kind", find_built_in)?;
+    let built_in = fields.optional("kind", built_in::find)?;
     let strengths = built_in.map_or(&[][..], |b| b.strengths);
     let own = if built_in.is_some() { &BUILT_IN[..] } else { &FORMULAS[..] };
     let mut known: Vec<&str> = own.iter().chain(strengths).chain(&COMMON).copied().collect();
@@ -71,11 +73,11 @@ pub(super) fn draft<'a>(
 ) -> Result<Draft<'a>, Fault> {
     observation::refuse_in_model(document, &fields)?;
     fields.check(&keys(&fields)?)?;
-    let built_in = fields.optional("kind", find_built_in)?;
+    let built_in = fields.optional("kind", built_in::find)?;
     let (states, built_in) = match (built_in, common) {
         (Some(model), _) => {
-            let axes = read_axes(&fields, data)?;
-            (model.states(&axes), Some((model, axes)))
+            let axes = built_in::axes(&fields, data, model)?;
+            (model.states(&axes, |key| fields.get(key).is_some()), Some((model, axes)))
         }
         (None, Some(common)) if fields.get("state").is_none() => (common.to_vec(), None),
         (None, _) => (
@@ -121,38 +123,6 @@ pub(super) fn add_factor(factors: &mut Vec<Factor>, factor: Factor) -> Result<()
 /// Where state `i` is typed, for formula models.
 fn entry_span(fields: &Fields<'_>, i: usize) -> Option<crate::model::Span> {
     Some(fields.get("state")?.list("a list").ok()?.get(i)?.span)
-}
-
-fn find_built_in(node: &Node<'_>) -> Result<&'static BuiltIn, Fault> {
-    let name = node.string()?;
-    library::ALL.iter().find(|b| b.name == name).ok_or_else(|| {
-        let nearest = nearest(name, library::ALL.iter().map(|b| b.name));
-        let known = library::ALL.iter().map(|b| b.name.to_owned()).collect();
-        let (key, name) = (node.key.clone(), crate::words::shorten(name));
-        node.fault(Cause::NoSuch { key, what: "the built-in model", name, nearest, known })
-    })
-}
-
-/// The axes of a built-in model, one per measurement and in their order; any with sensors, which have an h of their own.
-fn read_axes(fields: &Fields<'_>, data: &DataSpec) -> Result<Vec<String>, Fault> {
-    let m = data.measurements.len();
-    if !data.sensors.is_empty() {
-        fields.need("axes", "the names of its axes, such as [\"x\", \"y\"], which [[sensor]] tables do not tell")?;
-    }
-    let expected = format!("{m}, one per measurement ({})", data.measurements.join(", "));
-    let Some(node) = fields.get("axes") else {
-        if m > library::MAX_AXES {
-            let problem =
-                format!("a built-in model has 1 to {} axes, one per measurement, and there are {m}", library::MAX_AXES);
-            return Err(fields.need("kind", "a built-in model")?.invalid(problem));
-        }
-        return Ok(data.measurements.clone());
-    };
-    let axes = node.names("a list of axis names")?;
-    if axes.len() > library::MAX_AXES {
-        return Err(node.wrong_count(axes.len(), format!("1 to {}", library::MAX_AXES)));
-    }
-    if axes.len() == m || !data.sensors.is_empty() { Ok(axes) } else { Err(node.wrong_count(axes.len(), expected)) }
 }
 
 impl Draft<'_> {
@@ -244,7 +214,7 @@ impl Draft<'_> {
     /// f, Q, and h where it is that of a built-in model.
     pub(super) fn motion(&self, names: &Names) -> Result<Motion, Fault> {
         match &self.built_in {
-            Some((model, axes)) => self.expand(model, axes, names),
+            Some((model, axes)) => (model.read)(&Given { fields: &self.fields, axes, names }),
             None => self.formulas(names),
         }
     }
@@ -257,11 +227,24 @@ impl Draft<'_> {
         names: &Names,
         data: &DataSpec,
     ) -> Result<Observation, Fault> {
+        let places = self.places(names);
         if data.sensors.is_empty() {
             let built_in = self.built_in.as_ref().map(|_| h);
-            observation::of_model(&self.fields, (built_in, angles), names, data)
+            observation::of_model(&self.fields, (built_in, angles), (names, &places), data)
         } else {
-            observation::of_sensors(document, names, data)
+            observation::of_sensors(document, (names, &places), data)
+        }
+    }
+
+    /// What sensors see: the axes of a built-in model, or what is named as places are.
+    fn places(&self, names: &Names) -> Places {
+        match &self.built_in {
+            Some((model, axes)) => {
+                let moves = model.components.get(1) == Some(&"v");
+                let velocities = axes.iter().filter(|_| moves).map(|axis| format!("v{axis}"));
+                Places { positions: axes.clone(), velocities: velocities.collect() }
+            }
+            None => Places::named(names),
         }
     }
 
@@ -275,24 +258,6 @@ impl Draft<'_> {
             h: Vec::new(),
             q: covariance::read(q, states, names, FormulaPlace::ProcessNoise)?,
         })
-    }
-
-    fn expand(&self, model: &BuiltIn, axes: &[String], names: &Names) -> Result<Motion, Fault> {
-        let noise = match self.fields.optional("noise", |n| Ok((n.clone(), n.string()?)))? {
-            None | Some((_, "continuous")) => Noise::Continuous,
-            Some((_, "piecewise")) => Noise::Piecewise,
-            Some((n, other)) => {
-                return Err(n.bad_value(format!("\"{other}\""), "\"continuous\" or \"piecewise\""));
-            }
-        };
-        let mut strengths = vec![Vec::new(); axes.len()];
-        for key in model.strengths {
-            let node = self.fields.need(key, "the strength of its process noise: a number or a formula")?;
-            for (axis, strength) in strengths.iter_mut().zip(read_strengths(node, axes, names)?) {
-                axis.push(strength);
-            }
-        }
-        Ok(model.expand(noise, &strengths))
     }
 
     fn read_x0(&self, names: &Names) -> Result<Start, Fault> {
@@ -312,8 +277,10 @@ impl Draft<'_> {
 
     /// The names under `angle`, of states and measurements; one that both have means both.
     fn read_angles(&self, data: &DataSpec) -> Result<Vec<String>, Fault> {
-        let Some(node) = self.fields.get("angle") else { return Ok(Vec::new()) };
-        let names = node.names("a list of names of measurements and states")?;
+        let leading = self.built_in.as_ref().and_then(|(model, _)| model.leading).filter(|leading| leading.angle);
+        let own = leading.map(|leading| leading.name.to_owned());
+        let Some(node) = self.fields.get("angle") else { return Ok(own.into_iter().collect()) };
+        let mut names = node.names("a list of names of measurements and states")?;
         let measurements = if data.sensors.is_empty() { &data.measurements[..] } else { &[] };
         for (name, entry) in names.iter().zip(node.list("a list")?) {
             if self.states.contains(name) || measurements.contains(name) {
@@ -330,6 +297,7 @@ impl Draft<'_> {
             let (key, name) = (node.key.clone(), crate::words::shorten(name));
             return Err(entry.fault(Cause::NoSuch { key, what: "the angle", name, nearest, known }));
         }
+        names.extend(own);
         Ok(names)
     }
 
@@ -372,23 +340,4 @@ impl Draft<'_> {
             _ => Ok(()),
         }
     }
-}
-
-/// One strength for all axes, a list with one per axis, or a table by axis.
-fn read_strengths(node: &Node<'_>, axes: &[String], names: &Names) -> Result<Vec<Expr>, Fault> {
-    let scope = Scope { names, place: FormulaPlace::Constant, key: "" };
-    if node.value.is_table() {
-        let known: Vec<&str> = axes.iter().map(String::as_str).collect();
-        let fields = node.table("a table by axis", &known)?;
-        return axes.iter().map(|axis| fields.need(axis, "its strength")?.formula(scope)).collect();
-    }
-    if node.value.is_array() {
-        let entries = node.list("a list")?;
-        if entries.len() != axes.len() {
-            return Err(node.wrong_count(entries.len(), format!("{}, one per axis ({})", axes.len(), axes.join(", "))));
-        }
-        return entries.iter().map(|e| e.formula(scope)).collect();
-    }
-    let strength = node.formula(scope)?;
-    Ok(vec![strength; axes.len()])
 }

@@ -5,7 +5,7 @@ use crate::data::SensorSpec;
 use crate::model::error::{Cause, Fault};
 use crate::words::shorten;
 
-const KEYS: [&str; 6] = ["name", "measurements", "h", "R", "angle", "when"];
+const KEYS: [&str; 8] = ["name", "measurements", "h", "at", "velocity", "R", "angle", "when"];
 const COLUMNS: &str = "a list of column names";
 
 /// A sensor, and what its measurements are called.

@@ -3,6 +3,8 @@
 mod errors;
 mod examples;
 mod lets;
+mod library;
+
 mod log;
 mod modes;
 mod tables;

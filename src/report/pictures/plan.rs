@@ -30,15 +30,18 @@ impl Axes {
     /// as places are. `None` if there are no such two.
     pub(super) fn of(problem: &Problem, log: &Log) -> Option<Self> {
         let states = &problem.model.states;
-        let order = match problem.model.kind {
-            Some("constant-velocity") => 2,
-            Some("constant-acceleration") => 3,
-            _ => 0,
+        // States before the positions, and components of an axis.
+        let (before, order) = match problem.model.kind {
+            Some("constant-velocity") => (0, 2),
+            Some("constant-acceleration" | "singer") => (0, 3),
+            Some("coordinated-turn") => (states.len() % 2, 2),
+            Some("unicycle") => (1, 1),
+            _ => (0, 0),
         };
         let named = |name: &str| states.iter().position(|state| state.eq_ignore_ascii_case(name));
         let mut found = match order {
             0 => NAMES.iter().find_map(|[x, y]| Some([named(x)?, named(y)?]))?,
-            order => (states.len() >= 2 * order).then_some([0, 1])?,
+            order => (states.len() >= 2 * order).then_some([before, before + 1])?,
         };
         if NORTH.iter().any(|north| states[found[0]].eq_ignore_ascii_case(north)) {
             found.reverse();

@@ -77,7 +77,7 @@ const CASES: [(&str, &str, &str); 20] = [
     (
         "when = \"GPS\"",
         "wen = \"GPS\"",
-        "9:1: unknown key `wen` in [sensor[1]]: did you mean `when`? (known: `name`, `measurements`, `h`, `R`, `angle`, `when`)",
+        "9:1: unknown key `wen` in [sensor[1]]: did you mean `when`? (known: `name`, `measurements`, `h`, `at`, `velocity`, `R`, `angle`, `when`)",
     ),
     ("name = \"radar\"", "name = \"gps\"", "15:8: the name `gps` is already a sensor: choose another"),
     ("when = \"R2\"", "when = \"GPS\"", "16:8: `sensor[2].when`: sensor `gps` has the same label: give another"),

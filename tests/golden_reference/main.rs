@@ -13,6 +13,7 @@ mod held_out;
 mod imm;
 mod joint;
 mod joint_density;
+mod library;
 mod linear_kinds;
 mod nonlinear;
 mod nonlinear_smoother;

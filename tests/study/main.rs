@@ -11,6 +11,7 @@ use std::num::NonZero;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
+mod examples;
 mod robust;
 
 fn open(name: &str) -> (Problem, Log) {

@@ -23,7 +23,7 @@ fn every_example_is_read_and_its_data_ship() {
             count += 1;
         }
     }
-    assert_eq!(count, 14, "an example was added or lost");
+    assert_eq!(count, 20, "an example was added or lost");
 }
 
 #[test]

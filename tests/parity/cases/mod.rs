@@ -9,6 +9,7 @@ mod formulas;
 mod gaps;
 mod imm;
 mod large;
+mod manoeuvres;
 mod nonlinear;
 mod objectives;
 pub(crate) mod robust;
@@ -32,8 +33,19 @@ fn example(name: &str) -> Case {
 }
 
 pub(crate) fn all() -> Vec<Case> {
-    let examples =
-        ["nile", "rocket", "rocket_sage_husa", "refuelling", "robot", "uav_gps_cv", "uav_gps_ca", "tum_fr2_desk"];
+    let examples = [
+        "nile",
+        "rocket",
+        "rocket_sage_husa",
+        "refuelling",
+        "robot",
+        "uav_gps_cv",
+        "uav_gps_ca",
+        "tum_fr2_desk",
+        "radar",
+        "reentry",
+        "battery",
+    ];
     let mut cases: Vec<Case> = examples.map(example).into();
     cases.extend(adaptive::cases());
     cases.extend(built_in::cases());
@@ -42,6 +54,7 @@ pub(crate) fn all() -> Vec<Case> {
     cases.extend(failing::cases());
     cases.extend(robust::cases());
     cases.extend(large::cases());
+    cases.extend(manoeuvres::cases());
     cases.extend(diffuse::cases());
     cases.extend(gaps::cases());
     cases.extend(imm::cases());

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use kfgpu::model::{FilterKind, Function, Problem, Robust, built_in_models};
+use kfgpu::model::{FilterKind, Function, Problem, Robust, built_in_models, built_in_sensors};
 use kfgpu::objective::Kind;
 use kfgpu::optimize::ALGORITHMS;
 
@@ -54,6 +54,7 @@ fn the_supported_table_has_what_the_registries_have() {
         assert_eq!(supported(&readme, what), expected, "README, row {what}");
     };
     check("models", built_in_models().collect());
+    check("built-in sensors", built_in_sensors().collect());
     check("filters", FilterKind::NAMES.to_vec());
     check("outliers", Robust::NAMES.to_vec());
     check("functions", Function::ALL.iter().map(|(name, _)| *name).collect());
@@ -77,6 +78,7 @@ fn the_problem_file_page_names_every_model_filter_function_objective_and_optimis
     let page = read("docs/problem-file.md");
     let named = quoted(&page);
     let names = built_in_models()
+        .chain(built_in_sensors())
         .chain(FilterKind::NAMES.iter().copied())
         .chain(Function::ALL.iter().map(|(name, _)| *name))
         .chain(Kind::ALL.iter().map(|(name, _)| *name))
@@ -97,6 +99,19 @@ fn problem_files_in_the_docs_parse() {
             if let Err(error) = Problem::parse(problem, name) {
                 panic!("{error}");
             }
+        }
+    }
+}
+
+/// The README's table of problem files has each that ships.
+#[test]
+fn the_readme_lists_every_problem_that_ships() {
+    let readme = read("README.md");
+    for entry in std::fs::read_dir(path("examples")).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        if let Some(name) = name.strip_suffix(".toml") {
+            let link = format!("[`{name}`](examples/{name}.toml)");
+            assert!(readme.contains(&link), "README.md has no row for examples/{name}.toml");
         }
     }
 }

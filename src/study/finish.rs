@@ -219,7 +219,7 @@ mod tests {
     fn amplified_finalists_count_in_no_gap() {
         let exact: &[f64] = &[1.0, 5.0, 2.0];
         let oracle = move |x: &[f64]| Some(vec![exact[x[0] as usize]]);
-        let amplification = |x: &[f64]| if x[0] == 1.0 { f64::INFINITY } else { 0.25 };
+        let amplification = |x: &[f64]| if x[0] > 0.5 && x[0] < 1.5 { f64::INFINITY } else { 0.25 };
         let judge = (&oracle as &Oracle<'_>, Some(&amplification as &Amplification<'_>));
         let (winner, _, certificate) = certify(&finalists(&[1.0, 1.5, 2.0]), judge, ONE).expect("scored");
         assert_eq!((winner, certificate.amplification, certificate.amplified), (vec![0.0], Some(0.25), 1));

@@ -28,8 +28,7 @@ pub(crate) use dual::Duals;
 pub use error::{Cause, Place, ProblemError};
 pub(crate) use evaluate::Formula;
 pub use expr::{Binary, Expr, ExprKind, Logical, Span, Symbol};
-pub use family::{Adapts, Facts, FilterKind, Range, Robust, Setting};
-
+pub use family::{Adapts, Facts, FilterKind, Range, Robust, Setting, View};
 pub use library::{built_in_models, built_in_sensors};
 pub use other_filter::FilterError;
 pub use parameter::{Parameter, Parameters, Scale, Search, Value};

@@ -38,7 +38,7 @@ pub enum FilterError {
     },
 }
 
-/// "`extended`, `iterated` or another that takes any f and h".
+/// "one of ..." those that take any f and h.
 fn alternatives() -> String {
     let names: Vec<String> = FilterKind::nonlinear().map(|name| format!("`{name}`")).collect();
     format!("one of {}", enumerated(&names))

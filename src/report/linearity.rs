@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use super::difference::{Difference, Standing};
 use crate::data::Log;
-use crate::model::Problem;
+use crate::model::{FilterKind, Problem, View};
 use crate::table::{Cell, Table};
 
 pub use score::FilterScore;
@@ -59,18 +59,20 @@ impl Linearity {
     /// What the report of a study says of its winner: the problem's own filter, the extended one, and one with sigma points.
     /// `None` where f and h are affine, or the filter is one that needs this.
     pub(super) fn of_winner(problem: &Problem, log: &Log, candidate: &[f64]) -> Option<Self> {
-        if problem.filter.is_linear() || problem.model.is_affine() {
+        let view = problem.filter.view();
+        if view == View::None || problem.model.is_affine() {
             return None;
         }
-        let points = if problem.filter.facts().ordered { problem.filter.name() } else { "unscented" };
-        let others: Vec<Problem> =
-            ["extended", points].into_iter().filter_map(|name| problem.with_filter(name).ok()).collect();
+        let missing = [View::Tangent, View::Points].into_iter().filter(|other| *other != view);
+        let names = missing.filter_map(FilterKind::viewing);
+        let others: Vec<Problem> = names.filter_map(|name| problem.with_filter(name).ok()).collect();
         Some(Self::of(problem, &others, log, candidate, false))
     }
 
     /// One sentence on the winner of a study.
     pub(super) fn of_the_tuned(&self) -> String {
-        let own = self.filters.first().map_or("", |own| own.filter.as_str());
+        let Some(own) = self.filters.first() else { return String::new() };
+        let is_tangent = [View::Tangent, View::TangentAgain].contains(&own.view);
         let is_worse = self.filters.iter().any(|other| other.verdict == Standing::Worse);
         // Q and R that suit one filter need not suit another: they may have taken in what its view of f and h costs.
         let may_hide = match self.verdict.linearising {
@@ -78,10 +80,11 @@ impl Linearity {
             Linearising::NotToldApart => true,
             Linearising::Exact | Linearising::Costs => false,
         };
-        let hidden = if may_hide {
+        let hidden = if may_hide && is_tangent {
             format!(
-                "; Q and R were tuned for the {own} filter, which may hide what linearising costs: tune with another `kind` as \
-                 well, and compare"
+                "; Q and R were tuned for the {} filter, which may hide what linearising costs: tune with another `kind` as \
+                 well, and compare",
+                own.filter
             )
         } else {
             String::new()

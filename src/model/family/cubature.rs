@@ -1,6 +1,6 @@
 //! The cubature Kalman filter.
 
-use super::{Adapts, Described, Facts, Setting, Settings};
+use super::{Adapts, Described, Facts, Setting, Settings, View};
 use crate::model::error::Fault;
 
 /// f and h are taken at x +- sqrt(n) L_j with equal weights: Arasaratnam and Haykin (2009, doi 10.1109/TAC.2009.2019800). It is
@@ -12,6 +12,7 @@ impl Described for Cubature {
     const NAME: &'static str = "cubature";
     const KEYS: &'static [&'static str] = &[];
     const LINEAR: bool = false;
+    const VIEW: View = View::Points;
 
     fn read(_: &dyn Settings) -> Result<Self, Fault> {
         Ok(Self)

@@ -1,6 +1,6 @@
 //! The extended Kalman filter.
 
-use super::{Adapts, Described, Facts, Setting, Settings};
+use super::{Adapts, Described, Facts, Setting, Settings, View};
 use crate::model::error::Fault;
 
 /// f and h are replaced by their tangents at the mean: Jazwinski, *Stochastic Processes and Filtering Theory* (1970),
@@ -12,6 +12,7 @@ impl Described for Extended {
     const NAME: &'static str = "extended";
     const KEYS: &'static [&'static str] = &[];
     const LINEAR: bool = false;
+    const VIEW: View = View::Tangent;
 
     fn read(_: &dyn Settings) -> Result<Self, Fault> {
         Ok(Self)

@@ -1,6 +1,6 @@
 //! The iterated extended Kalman filter.
 
-use super::{Adapts, Described, Facts, Setting, Settings};
+use super::{Adapts, Described, Facts, Setting, Settings, View};
 use crate::model::error::Fault;
 
 /// The extended filter whose h is linearised again at the updated mean: a Gauss-Newton step each (Bell and Cathey 1993,
@@ -18,6 +18,7 @@ impl Described for Iterated {
     const NAME: &'static str = "iterated";
     const KEYS: &'static [&'static str] = &["iterations"];
     const LINEAR: bool = false;
+    const VIEW: View = View::TangentAgain;
 
     fn read(settings: &dyn Settings) -> Result<Self, Fault> {
         Ok(Self { iterations: settings.count("iterations", 3, 1, MOST)? })

@@ -41,6 +41,19 @@ pub enum Adapts {
     MeasurementNoise,
 }
 
+/// What a filter takes f and h for, where they are not affine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum View {
+    /// It does not take such, or leaves it to other filters.
+    None,
+    /// Their tangents at the estimate.
+    Tangent,
+    /// The same, of h again where the update leads.
+    TangentAgain,
+    /// Their values at points around the estimate.
+    Points,
+}
+
 /// What others have to know about a filter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Facts<'a> {
@@ -78,6 +91,8 @@ pub(super) trait Described: Sized {
     const KEYS: &'static [&'static str];
     /// Whether f and h have to be affine in the states.
     const LINEAR: bool = true;
+    /// What it takes them for.
+    const VIEW: View = View::None;
 
     /// Reads its settings.
     fn read(settings: &dyn Settings) -> Result<Self, Fault>;
@@ -130,6 +145,19 @@ macro_rules! families {
                 match self {
                     $(Self::$family(_) => $family::LINEAR,)*
                 }
+            }
+
+            /// What it takes f and h for, where they are not affine.
+            #[must_use]
+            pub const fn view(&self) -> View {
+                match self {
+                    $(Self::$family(_) => $family::VIEW,)*
+                }
+            }
+
+            /// The name of the first that takes them for this.
+            pub(crate) fn viewing(view: View) -> Option<&'static str> {
+                [$(($family::NAME, $family::VIEW)),*].into_iter().find(|(_, of)| *of == view).map(|(name, _)| name)
             }
 
             /// Its settings that are formulas.

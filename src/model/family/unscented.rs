@@ -1,6 +1,6 @@
 //! The unscented Kalman filter.
 
-use super::{Adapts, Described, Facts, Range, Setting, Settings};
+use super::{Adapts, Described, Facts, Range, Setting, Settings, View};
 use crate::model::error::Fault;
 use crate::model::{Binary, Expr};
 
@@ -35,6 +35,7 @@ impl Described for Unscented {
     const NAME: &'static str = "unscented";
     const KEYS: &'static [&'static str] = &["alpha", "beta", "kappa"];
     const LINEAR: bool = false;
+    const VIEW: View = View::Points;
 
     fn read(settings: &dyn Settings) -> Result<Self, Fault> {
         let n = settings.states();

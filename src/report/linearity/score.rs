@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::Difference;
 use crate::data::Log;
-use crate::model::Problem;
+use crate::model::{Problem, View};
 use crate::objective::{Kind, Objective};
 use crate::reference;
 use crate::report::{Named, Standing, StateErrors};
@@ -37,6 +37,9 @@ pub struct FilterScore {
     pub amplification: Option<f64>,
     /// Why it fails; `None` where it runs.
     pub failed: Option<String>,
+    /// What it takes f and h for.
+    #[serde(skip)]
+    pub view: View,
 }
 
 /// A score with what each row adds to `nll`.
@@ -65,9 +68,9 @@ impl Scored {
                 components += update.present.len() as f64;
             }
         });
-        let filter = problem.filter.name().to_owned();
+        let (filter, view) = (problem.filter.name().to_owned(), problem.filter.view());
         if let Err(failure) = run {
-            return Self { score: FilterScore::failed(filter, failure.to_string()), rows: Vec::new() };
+            return Self { score: FilterScore::failed(filter, view, failure.to_string()), rows: Vec::new() };
         }
         let nll: f64 = rows.iter().flatten().sum();
         let measured = rows.iter().map(Vec::len).sum::<usize>() as f64;
@@ -84,6 +87,7 @@ impl Scored {
             rmse: errors.rmse(),
             amplification,
             failed: None,
+            view,
         };
         Self { score, rows }
     }
@@ -118,7 +122,7 @@ impl Scored {
 }
 
 impl FilterScore {
-    fn failed(filter: String, reason: String) -> Self {
+    fn failed(filter: String, view: View, reason: String) -> Self {
         Self {
             filter,
             nll: f64::NAN,
@@ -130,6 +134,7 @@ impl FilterScore {
             rmse: Named::default(),
             amplification: None,
             failed: Some(reason),
+            view,
         }
     }
 }

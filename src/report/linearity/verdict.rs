@@ -6,13 +6,11 @@ use serde::Serialize;
 
 use super::Difference;
 use super::score::Scored;
-use crate::model::{Adapts, Problem};
+use crate::model::{Adapts, Problem, View};
 use crate::number::significant;
 use crate::report::Standing;
 use crate::words::enumerated;
 
-/// The filter that linearises at its estimate and does no more.
-const TANGENT: &str = "extended";
 /// What may stay open where linearising is called no problem, in nats a row and in all.
 const OPEN: (f64, f64) = (0.05, 1.0);
 
@@ -45,8 +43,8 @@ impl LinearityVerdict {
         if own.model.is_affine() {
             return exact(own, scored);
         }
-        // Without an extended filter the others are held against the problem's own.
-        let tangent = scored.iter().find(|one| one.score.filter == TANGENT);
+        // Without a filter of tangents the others are held against the problem's own.
+        let tangent = scored.iter().find(|one| one.score.view == View::Tangent);
         let Some(base) = tangent.or_else(|| scored.first()) else { return untold("there is no filter".to_owned()) };
         let others: Vec<&Scored> =
             scored.iter().filter(|one| one.runs() && one.score.filter != base.score.filter).collect();
@@ -110,7 +108,7 @@ fn compared(base: &Scored, gains: &[(&Scored, Difference)]) -> LinearityVerdict 
     if gains.iter().any(|(_, gain)| gain.difference + 1.96 * gain.standard_error > most) {
         return untold(format!("these rows cannot tell whether another filter is better than the {name} ({each})"));
     }
-    let no_problem = if name == TANGENT { "linearising is no problem on this log: " } else { "" };
+    let no_problem = if base.score.view == View::Tangent { "linearising is no problem on this log: " } else { "" };
     let sentence = format!("{no_problem}no other filter can be told to be a nat more likely than the {name} ({each})");
     LinearityVerdict { linearising: Linearising::NoProblem, sentence }
 }
@@ -123,9 +121,11 @@ fn described(other: &Scored, gain: &Difference) -> String {
 
 /// What it means that another filter is better.
 fn costs(base: &Scored, best: &Scored) -> &'static str {
-    match (base.score.filter.as_str(), best.score.filter.as_str()) {
-        (TANGENT, "iterated") => ": linearising h at the prediction costs here, and tuning Q and R would hide it",
-        (TANGENT, _) => ": linearising costs here, and tuning Q and R would hide it",
+    match (base.score.view, best.score.view) {
+        (View::Tangent, View::TangentAgain) => {
+            ": linearising h at the prediction costs here, and tuning Q and R would hide it"
+        }
+        (View::Tangent, _) => ": linearising costs here, and tuning Q and R would hide it",
         _ => ": tuning Q and R would hide that",
     }
 }

@@ -56,7 +56,7 @@ struct Response {
 impl Response {
     fn of(alpha: &Expr) -> Self {
         let u = times(alpha.clone(), dt(1));
-        let alternating = |k: u8, offset: u8| if k.is_multiple_of(2) { 1.0 } else { -1.0 } / factorial(k + offset);
+        let alternating = |k: u8, offset: u8| sign(k) / factorial(k + offset);
         let gone = call(Function::Expm1, &[negative(&u)]);
         let p1 = small(&u, series(&u, (0..18).map(|k| alternating(k, 1))), over(negative(&gone), u.clone()));
         let p2 =
@@ -88,7 +88,6 @@ fn integrals(u: &Expr, e: &Expr) -> [Expr; 3] {
     let number = Expr::number;
     let times_u = |factor: f64, exponent: u8| times(number(factor), power(u.clone(), exponent));
     let (e2, ue) = (power(e.clone(), 2), times(u.clone(), e.clone()));
-    let sign = |k: u8| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
     // (1 - E^2 + 2 u - 2 u^2 + 2/3 u^3 - 4 u E) / (2 u^5)
     let closed = plus(minus(number(1.0), e2.clone()), times(number(2.0), u.clone()));
     let closed = minus(plus(minus(closed, times_u(2.0, 2)), times_u(2.0 / 3.0, 3)), times(number(4.0), ue.clone()));
@@ -126,6 +125,11 @@ fn series(u: &Expr, coefficients: impl DoubleEndedIterator<Item = f64>) -> Expr 
 
 fn negative(a: &Expr) -> Expr {
     Expr { kind: ExprKind::Negate(Box::new(a.clone())), span: Span::default() }
+}
+
+/// (-1)^k.
+fn sign(k: u8) -> f64 {
+    if k.is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
 fn factorial(k: u8) -> f64 {

@@ -60,7 +60,6 @@ fn tuned(case: &(Problem, Log), seed: u64) -> (f64, f64) {
     let candidate = outcome.winner.expect("a winner").candidate;
     let run = run(&case.0, &case.1, &candidate).expect("runs");
     let found = score(&case.0, &case.1, &run, &[Kind::Rejected, Kind::Rmse].map(Objective::new));
-    println!("{:?} seed {seed}: {candidate:.4?}, rejected {:.3}, rmse {:.4}", case.0.robust, found[0], found[1]);
     (found[0], found[1])
 }
 

@@ -24,6 +24,8 @@
 #     --python FILE        Python with jax [python3]
 #     --steps LIST         of parity,kfgpu,crossover,jax [all]: to spread the work over several calls on one --out
 #     --workloads LIST     [A B]
+#     --problems LIST      problem files whose filters are not linear, compared with the processor in the crossover step
+#                          [range and bearing, several models, robust updates, a robot's ranges]
 #     --sizes LIST         candidates [1024 4096 16384 65536 262144 1048576]
 #     --limit SECONDS      longest time of one measurement; what takes longer is listed as missing [120]
 #     --out DIR            results folder [hardware-results]: *.jsonl, parity.log, missing.txt, table.md
@@ -33,6 +35,7 @@
 set -euo pipefail
 
 kfgpu=target/release/kfgpu gpu_tests='' adapter='' jax='' python=python3 steps=parity,kfgpu,crossover,jax
+problems='benches/workloads/range_bearing.toml examples/imm_turns.toml examples/robust_gps.toml examples/plaza2.toml'
 workloads='A B' sizes='1024 4096 16384 65536 262144 1048576' limit=120 out=hardware-results
 command_line="$0 $*"
 
@@ -48,6 +51,7 @@ while [ $# -gt 0 ]; do
         --python) python=$2 ;;
         --steps) steps=$2 ;;
         --workloads) workloads=$2 ;;
+        --problems) problems=$2 ;;
         --sizes) sizes=$2 ;;
         --limit) limit=$2 ;;
         --out) out=$2 ;;
@@ -112,6 +116,11 @@ if wanted crossover; then
     for workload in $workloads; do
         compared=(bench --workload "$workload" --n "${sizes##* }" --threads "$threads" --precision f32 --budget 10)
         measure "$out/crossover.jsonl" "crossover $workload" \
+            "$kfgpu" "${compared[@]}" --adapter "${adapter:-${name%% (*}}" --json --quiet
+    done
+    for problem in $problems; do
+        compared=(bench "$problem" --n "${sizes##* }" --threads "$threads" --precision f32 --budget 10)
+        measure "$out/crossover.jsonl" "crossover $problem" \
             "$kfgpu" "${compared[@]}" --adapter "${adapter:-${name%% (*}}" --json --quiet
     done
 fi

@@ -4,6 +4,7 @@
 use std::path::Path;
 
 use kfgpu::data::{Log, Table};
+use kfgpu::evaluate::{CpuEvaluator, CpuOptions, Evaluator, Population};
 use kfgpu::model::Problem;
 use kfgpu::objective::{Kind, Objective};
 use kfgpu::reference::{Run, run, score};
@@ -128,6 +129,12 @@ fn other_programs_agree() {
                 // The RMSE is stored with eight digits.
                 let close = found[..3].iter().all(|d| *d < tolerance) && found[3] < 1e-7;
                 assert!(close, "{name} {filter_name}: {found:?}, {candidate:?}");
+                // So do the lanes, which share nothing with the reference.
+                let expected = -expected["loglik"].as_f64().expect("a number");
+                let mut lanes = CpuEvaluator::new(&problem, &log, CpuOptions::default()).expect("it traces");
+                let population = Population::from_rows(candidate.len(), candidate.clone());
+                let nll = lanes.evaluate(&population).costs(0)[0];
+                assert!(apart(nll, expected) < tolerance.max(1e-9), "{name} {filter_name}: {nll} against {expected}");
                 compared += 1;
             }
         }

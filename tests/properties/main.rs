@@ -5,3 +5,4 @@
 mod filters;
 mod gaps;
 mod optimizers;
+mod turning;

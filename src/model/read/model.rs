@@ -25,12 +25,12 @@ const BUILT_IN: [&str; 3] = ["kind", "axes", "noise"];
 
 /// Whether a mode may have the key in the place of the model's.
 pub(super) fn is_key(key: &str) -> bool {
-    key == "R" || is_formula_key(key) || is_built_in_key(key)
+    ["R", "at", "velocity"].contains(&key) || is_formula_key(key) || is_built_in_key(key)
 }
 
 /// Whether it is a key of models that are typed.
 pub(super) fn is_formula_key(key: &str) -> bool {
-    FORMULAS.contains(&key)
+    key == "h" || FORMULAS.contains(&key)
 }
 
 /// Whether it is a key of built-in models.

@@ -78,7 +78,8 @@ fn merged<'a>(model: &Fields<'a>, mode: &Fields<'a>) -> Fields<'a> {
         // Another built-in model has no formulas, and formulas are no built-in model.
         let other = if mode.get("kind").is_some() {
             // So do formulas of other states.
-            is_formula_key(key) || key == "let"
+            let named = key == "h" && model.get(key).is_some_and(|h| h.value.is_str());
+            (is_formula_key(key) && !named) || key == "let"
         } else {
             (mode.get("f").is_some() && is_built_in_key(key)) || (mode.get("state").is_some() && key == "let")
         };

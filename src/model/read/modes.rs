@@ -106,12 +106,12 @@ pub(super) fn drafts<'a>(
         }
         let mut whole = merged(&model.fields, &fields);
         let keys = model::keys(&whole)?;
-        // What another built-in model was driven by drives this one only where it knows it.
-        whole.entries.retain(|(key, ..)| keys.contains(key) || fields.get(key).is_some());
         let filter = fields.optional("filter", find)?;
         let own = keys.iter().copied().filter(|key| is_key(key));
         let settings = filter.map_or(&[][..], FilterKind::keys);
         fields.check(&KEYS.into_iter().chain(own).chain(settings.iter().copied()).collect::<Vec<_>>())?;
+        // What another built-in model was driven by drives this one only where it knows it; what is left is the filter's.
+        whole.entries.retain(|(key, ..)| keys.contains(key));
         let draft = model::draft(document, whole, data, Some(model.states()))?;
         let map = read_map(&fields, draft.states(), model.states())?;
         drafts.push(ModeDraft { name, fields, draft, map });

@@ -190,7 +190,7 @@ fn a_robust_filter_says_what_it_rejects() {
     (0..60).for_each(|k| log += &format!("{k},{}\n", if k == 16 { 900.0 } else { f64::from(k % 5) }));
     folder.write("log.csv", &log);
     let text = folder.read("problem.toml");
-    folder.write("problem.toml", &format!("{text}\n[filter]\nrobust = \"gate\"\n"));
+    folder.write("problem.toml", format!("{text}\n[filter]\nrobust = \"gate\"\n"));
     let finished = folder.run(&["filter", "problem.toml", "--smooth"]).expect(0);
     let table = finished.table();
     assert_eq!(table[0], ["t", "x", "P_x_x", "nu_z", "S_z", "nis", "rejected", "x_smoothed", "P_x_x_smoothed"]);

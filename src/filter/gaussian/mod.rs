@@ -74,13 +74,9 @@ impl<M: MomentRule, A: Adaptation> Gaussian<M, A> {
         State { x, P, .. }: &State,
         Q: Covariance,
     ) -> Result<Stepped, TraceError> {
-        let Moments { fixed, moved, linear, jacobian, excess, columns, positive } =
-            self.rule.through(t, row, Map::Transition, x, P)?;
-        let mut next = Vec::with_capacity(x.len());
-        for (linear, (fixed, moved)) in linear.iter().zip(fixed.iter().zip(&moved)) {
-            let drift = t.g.add(*fixed, *moved);
-            next.push(t.g.add(*linear, drift));
-        }
+        let moments = self.rule.through(t, row, Map::Transition, x, P)?;
+        let next = moments.mean(&mut t.g);
+        let Moments { jacobian, excess, columns, positive, .. } = moments;
         let P = match (columns, excess) {
             (None, None) => P.propagate(&mut t.g, &jacobian, &Q),
             (None, Some(excess)) => {

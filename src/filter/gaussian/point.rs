@@ -16,13 +16,7 @@ fn through(t: &mut Tracer<'_>, rule: &dyn MomentRule, row: &Row, map: Map, x: &[
 
 /// f(x), in the deviation form less the nominal of the next row.
 pub(super) fn advance(t: &mut Tracer<'_>, rule: &dyn MomentRule, row: &Row, x: &[Id]) -> Result<Vec<Id>, TraceError> {
-    let Moments { fixed, moved, linear, .. } = through(t, rule, row, Map::Transition, x)?;
-    let mut next = Vec::with_capacity(x.len());
-    for (linear, (fixed, moved)) in linear.iter().zip(fixed.iter().zip(&moved)) {
-        let drift = t.g.add(*fixed, *moved);
-        next.push(t.g.add(*linear, drift));
-    }
-    Ok(next)
+    Ok(through(t, rule, row, Map::Transition, x)?.mean(&mut t.g))
 }
 
 /// z - h(x).

@@ -17,7 +17,7 @@ use crate::filter::nodes::{MapNodes, ModelNodes};
 use crate::filter::row::Row;
 use crate::filter::tracer::Tracer;
 use crate::filter::units::Units;
-use crate::tape::Id;
+use crate::tape::{Graph, Id};
 
 /// Which formulas of the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,6 +65,18 @@ pub(in crate::filter) struct Moments {
     pub(in crate::filter) columns: Option<Columns>,
     /// What a candidate fails without.
     pub(in crate::filter) positive: Vec<Id>,
+}
+
+impl Moments {
+    /// The mean as one number a row: of a transition, where nothing is left to cancel.
+    pub(in crate::filter) fn mean(&self, g: &mut Graph) -> Vec<Id> {
+        let parts = self.linear.iter().zip(self.fixed.iter().zip(&self.moved));
+        let mean = parts.map(|(linear, (fixed, moved))| {
+            let drift = g.add(*fixed, *moved);
+            g.add(*linear, drift)
+        });
+        mean.collect()
+    }
 }
 
 /// Columns whose squares add up to covariances.
